@@ -1,0 +1,15 @@
+"""The DVS pixel as a stochastic process: frames in, events out, state kept between frames.
+
+Pure: arrays in, arrays out; no network, no files but camera files, no clock, no OpenCV.
+
+    from voltcam_simulator import Parameters, Simulator
+    simulator = Simulator(width=346, height=260, parameters=Parameters.of("davis346"), seed=1)
+    events = simulator.advance(frame, t_us)
+"""
+
+from .cameras import Camera, camera_names
+from .effect import EVENT
+from .parameters import Parameters
+from .simulator import Law, Simulator
+
+__all__ = ["EVENT", "Camera", "Law", "Parameters", "Simulator", "camera_names"]

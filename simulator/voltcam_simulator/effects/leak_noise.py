@@ -1,0 +1,25 @@
+"""Noise that is there at any brightness: the constant term of Eq. 11."""
+
+from typing import ClassVar
+
+import numpy as np
+
+from ..effect import Effect, Interval, quantity
+
+
+class LeakNoise(Effect):
+    """Noise k6, of the leak current and the circuit."""
+
+    signature: ClassVar[str] = "spread of the intervals between leak events"
+
+    k6: float = quantity(
+        1e-5, unit="1/sqrt(us)", ge=0, le=1, meaning="noise at any brightness",
+        source="DVS-Voltmeter (ECCV 2022), DAVIS346 and DAVIS240C sets",
+    )  # fmt: skip
+
+    @property
+    def active(self) -> bool:
+        return self.k6 > 0
+
+    def apply(self, interval: Interval) -> None:
+        interval.noise += np.float32(self.k6)

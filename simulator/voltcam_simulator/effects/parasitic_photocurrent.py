@@ -1,0 +1,33 @@
+"""Light that reaches the reset switch itself: the drift term in L of Eq. 10."""
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ..effect import Effect, Interval, quantity
+from ..kernel import kernel
+
+
+class ParasiticPhotocurrent(Effect):
+    """Drift k5 L."""
+
+    signature: ClassVar[str] = "ON events at rest, at a rate in proportion to brightness"
+
+    k5_per_dn_us: float = quantity(
+        5e-9, unit="1/(DN us)", ge=0, le=1, meaning="leak for each grey level of brightness",
+        source="DVS-Voltmeter (ECCV 2022), DAVIS346 set; mechanism: Nozaki and Delbruck (2017)",
+    )  # fmt: skip
+
+    @property
+    def active(self) -> bool:
+        return self.k5_per_dn_us > 0
+
+    def apply(self, interval: Interval) -> None:
+        half = np.float32(0.5 * self.k5_per_dn_us * interval.span_us)
+        add_in_proportion(interval.first, interval.last, half, interval.drift)
+
+
+@kernel
+def add_in_proportion(first: Any, last: Any, half: Any, drift: Any) -> None:
+    for i in range(drift.shape[0]):
+        drift[i] += half * (first[i] + last[i])

@@ -1,0 +1,70 @@
+"""One model of all parameters, built from the registry of effects."""
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Self
+
+from pydantic import BaseModel, ConfigDict, Field, create_model
+
+from .effect import Effect, quantity
+from .effects import EFFECTS
+
+
+class ParameterSet(BaseModel):
+    """What is common to any set of effects; use `Parameters`, which has a field for each registered one."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    temperature_c: float = quantity(
+        25.0, unit="C", ge=-40, le=125, meaning="temperature of the sensor die", source="room temperature"
+    )
+
+    @classmethod
+    def of(cls, camera: str) -> "Parameters":
+        """The parameters of a named camera ("davis346") or of a camera file (path to YAML)."""
+        from .cameras import Camera
+
+        return Camera.load(camera).parameters
+
+    def effects(self) -> Iterator[Effect]:
+        """The effects with these parameters, in registry order."""
+        for effect in EFFECTS:
+            yield getattr(self, effect.name)
+
+    def changed(self, changes: Mapping[str, Any]) -> Self:
+        """A copy with some parameters changed, {"comparator": {"theta_on": 1.2}, "temperature_c": 40}.
+
+        Raises pydantic.ValidationError, naming each unknown key and each value out of its limits.
+        """
+        return type(self).model_validate(merged(self.model_dump(), changes))
+
+
+def merged(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """base with changes laid over it, nested mappings key by key."""
+    result = dict(base)
+    for key, value in changes.items():
+        former = result.get(key)
+        both = isinstance(former, Mapping) and isinstance(value, Mapping)
+        result[key] = merged(former, value) if both else value  # type: ignore[arg-type]
+    return result
+
+
+if TYPE_CHECKING:
+
+    class Parameters(ParameterSet):
+        """All parameters of a camera: temperature_c, and a field for each effect."""
+
+        def __getattr__(self, name: str) -> Any: ...
+
+else:
+    Parameters = create_model(
+        "Parameters",
+        __base__=ParameterSet,
+        __doc__="All parameters of a camera: temperature_c, and a field for each effect.",
+        **{
+            effect.name: (
+                effect,
+                Field(default_factory=effect, description=effect.__doc__.partition("\n")[0]),
+            )
+            for effect in EFFECTS
+        },
+    )
