@@ -203,8 +203,9 @@ def gather(
 
 @kernel
 def cross(
-    voltage: Any, pending: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any, near: Any, first: Any,
-    count: Any, seed: Any, interval: Any, pixel0: Any, width: Any, times: Any, sides: Any, keys: Any,
+    voltage: Any, pending: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any, near: Any,
+    first: Any, count: Any, seed: Any, interval: Any, pixel0: Any, width: Any,
+    times: Any, sides: Any, keys: Any,
 ) -> Any:  # fmt: skip
     """Draw the paths of the pixels near[first:count] and pack their events into keys.
 
@@ -283,7 +284,7 @@ def start_voltage(
         mu, sigma = np.float64(drift[i]), np.float64(noise[i])
         side = 1.0 if mu >= 0.0 else -1.0
         a, b = (above[i], below[i]) if mu >= 0.0 else (below[i], above[i])
-        nu = 2.0 * abs(mu) / (sigma * sigma) if sigma > 0.0 else math.inf
+        nu = 0.0 if mu == 0.0 else (2.0 * abs(mu) / (sigma * sigma) if sigma > 0.0 else math.inf)
         while True:
             state, place = uniform(state)
             state, u = uniform(state)

@@ -4,9 +4,9 @@ For each pixel and frame, with the residual V from the frame before and A, B the
 the polarity is drawn from P(ON) = (e^{2mB} - 1)/(e^{2mB} - e^{-2mA}), m = mu/sigma^2 (Eq. 12; as printed it
 has A and B exchanged), then the time from the inverse Gaussian law (Eq. 13), Levy's for mu = 0 (Eq. 14). A
 time after the frame's end gives no event: the residual grows by its share, signed distance times time left
-over tau, and the next frame draws anew. That redrawing averages the noise: with x = mu T/theta the share of the
-way made in a frame of length T, the variance of the voltage is about sigma^2 T ln(1/x) where Brownian motion has
-sigma^2 T/x, so the spread of leak intervals shrinks as the frame rate grows.
+over tau, and the next frame draws anew. That redrawing averages the noise: with x = mu T/theta the share of
+the way made in a frame of length T, the variance of the voltage is about sigma^2 T ln(1/x) where Brownian
+motion has sigma^2 T/x, so the spread of leak intervals shrinks as the frame rate grows.
 """
 
 import math
@@ -42,18 +42,18 @@ def cross_by_paper(
     for i in range(first, residual.shape[0]):
         state = sequence(seed, CROSSINGS, interval, pixel0 + i)
         mu, sigma2 = drift[i] / span, np.float64(noise[i]) ** 2
-        v, now, events = np.float64(residual[i]), 0.0, 0
+        v: Any = np.float64(residual[i])
+        now, events = 0.0, 0
         while True:
             up, down = max(above[i] - v, 0.0), max(below[i] + v, 0.0)
             state, u = uniform(state)
             on = u < on_probability(mu, sigma2, up, down)
             distance = up if on else down
-            if distance == 0.0:
-                tau = 0.0
-            elif sigma2 > 0.0:
+            tau = 0.0 if distance == 0.0 else np.inf
+            if sigma2 > 0.0 and distance > 0.0:
                 state, tau = inverse_gaussian(state, abs(mu) / distance, distance * distance / sigma2)
-            else:
-                tau = distance / abs(mu) if mu != 0.0 else np.inf
+            elif mu != 0.0:
+                tau = distance / abs(mu)
             if now + tau >= span:
                 v += (distance if on else -distance) * (span - now) / tau
                 break

@@ -1,0 +1,71 @@
+"""Independent oracles for Brownian motion in a band: a slow fine-step simulation and closed forms."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import cumulative_trapezoid
+
+from voltcam_simulator.first_passage import cross
+
+Floats = NDArray[np.float64]
+SPAN_US = 1_000_000.0
+
+
+def crossings(
+    n: int, start: float, drift: float, noise: float, above: float, below: float, seed: int = 1
+) -> tuple[NDArray[np.int64], Floats, NDArray[np.bool_], NDArray[np.float32]]:
+    """n pixels over one second by the kernel: (pixel, time [s], ON?) of all events, and end voltages.
+
+    drift and noise (standard deviation) are those of the whole second.
+    """
+    voltage, pending = np.full(n, start, np.float32), np.zeros(n, np.float32)
+    plane = [np.full(n, v, np.float32) for v in (drift, noise / np.sqrt(SPAN_US), above, below)]
+    keys = np.empty(2000 * n if noise > 2 else 200 * n, np.uint64)
+    done, written = cross(
+        voltage, pending, plane[0], plane[1], SPAN_US, plane[2], plane[3], np.arange(n, dtype=np.int32),
+        0, n, np.uint64(seed), np.uint64(0), 0, n, np.empty(2000), np.empty(2000, np.int8), keys,
+    )  # fmt: skip
+    assert done == n
+    keys = keys[:written]
+    pixel = (keys >> np.uint64(1) & np.uint64(0x1FFF)).astype(np.int64)
+    return pixel, (keys >> np.uint64(27)) / SPAN_US, (keys & np.uint64(1)).astype(bool), voltage
+
+
+def fine_steps(
+    n: int, start: float, drift: float, noise: float, above: float, below: float, steps: int, seed: int = 2
+) -> tuple[NDArray[np.int64], Floats, NDArray[np.bool_], Floats]:
+    """The same by brute force. Barriers are moved inwards by .5826 standard deviations of a step, which takes
+    out the leading error of looking at discrete times only (Broadie, Glasserman and Kou 1997)."""
+    rng = np.random.default_rng(seed)
+    voltage = np.full(n, start)
+    inwards = 0.5826 * noise / np.sqrt(steps)
+    found: list[tuple[NDArray[np.int64], Floats, NDArray[np.bool_]]] = []
+    for step in range(steps):
+        voltage += drift / steps + noise / np.sqrt(steps) * rng.standard_normal(n)
+        on, off = voltage >= above - inwards, voltage <= inwards - below
+        pixels = np.flatnonzero(on | off)
+        found.append((pixels, np.full(pixels.size, (step + 0.5) / steps), on[pixels]))
+        voltage[on] -= above
+        voltage[off] += below
+    pixel, time, polarity = (np.concatenate(column) for column in zip(*found, strict=True))
+    return pixel, time, polarity, voltage
+
+
+def first_exit_cdf(
+    t: Floats, start: float, drift: float, noise: float, above: float, below: float
+) -> tuple[Floats, Floats]:
+    """P(first exit is ON and before t), P(first exit is OFF and before t); Borodin and Salminen 3.0.6.
+
+    The density of leaving at the top at t is exp(mu d / s^2 - mu^2 t / 2 s^2) times a sum over images of the
+    driftless one. t must start near 0 and be dense.
+    """
+
+    def density(distance: float) -> Floats:
+        band = above + below
+        images = distance + 2 * band * np.arange(-50, 51)[:, None]
+        terms = images / np.sqrt(2 * np.pi * t**3) / noise * np.exp(-(images**2) / (2 * noise**2 * t))
+        return np.asarray(terms.sum(0) * np.exp(-(drift**2) * t / (2 * noise**2)))
+
+    up, down = above - start, start + below
+    on = np.exp(drift * up / noise**2) * density(up)
+    off = np.exp(-drift * down / noise**2) * density(down)
+    return cumulative_trapezoid(on, t, initial=0), cumulative_trapezoid(off, t, initial=0)

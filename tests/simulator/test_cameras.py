@@ -1,0 +1,72 @@
+"""Cameras by name and by file."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+from pydantic import ValidationError
+
+from voltcam_simulator import Camera, Parameters, camera_names
+
+
+def test_the_published_sets() -> None:
+    """k1..k6 as in the table of the paper's supplement, for both cameras."""
+    rows = {
+        "davis346": (346, 260, 5.265, 20, 1e-4, 1e-7, 5e-9, 1e-5),
+        "davis240c": (240, 180, 4.42411, 23, 2e-4, 1e-7, 5e-8, 1e-5),
+    }
+    assert set(rows) <= set(camera_names())
+    for name, row in rows.items():
+        camera = Camera.load(name)
+        p = camera.parameters
+        k = (
+            p.contrast_response.k1, p.contrast_response.k2_dn, p.photon_noise.k3, p.junction_leak.k4_per_us,
+            p.parasitic_photocurrent.k5_per_dn_us, p.leak_noise.k6,
+        )  # fmt: skip
+        assert (camera.width, camera.height, *k) == row
+        assert p == Parameters.of(name)
+
+
+@pytest.mark.parametrize("name", camera_names())
+def test_a_camera_survives_its_file(name: str, tmp_path: Path) -> None:
+    camera = Camera.load(name)
+    path = tmp_path / "mine.yaml"
+    path.write_text(camera.to_yaml())
+    assert Camera.load(path) == camera
+
+
+def test_what_a_file_leaves_out_has_its_default(tmp_path: Path) -> None:
+    path = tmp_path / "small.yaml"
+    path.write_text("width: 64\nheight: 48\ncomparator: {theta_on: 1.3}\n")
+    camera = Camera.load(path)
+    assert (camera.width, camera.height) == (64, 48)
+    assert camera.parameters == Parameters().changed({"comparator": {"theta_on": 1.3}})
+
+
+@pytest.mark.parametrize(
+    ("content", "error", "message"),
+    [
+        ("width: 0\n", ValidationError, "width"),
+        ("comparator: {theta_on: -1}\n", ValidationError, "theta_on"),
+        ("thresholds: 3\n", ValidationError, "thresholds"),
+        ("- 1\n", ValueError, "not a camera file"),
+        ("a: [\n", ValueError, "not readable as YAML"),
+    ],
+)
+def test_a_broken_file_is_named(tmp_path: Path, content: str, error: type[Exception], message: str) -> None:
+    path = tmp_path / "broken.yaml"
+    path.write_text(content)
+    with pytest.raises(error, match=message):
+        Camera.load(path)
+
+
+def test_unknown_names_list_the_known_ones() -> None:
+    with pytest.raises(ValueError, match="davis346"):
+        Camera.load("davis999")
+    with pytest.raises(OSError, match=r"nowhere\.yaml"):
+        Camera.load("nowhere.yaml")
+
+
+def test_named_files_hold_nothing_unknown() -> None:
+    for name in camera_names():
+        assert yaml.safe_load(Camera.load(name).to_yaml())["name"] == name
