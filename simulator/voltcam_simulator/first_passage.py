@@ -38,7 +38,7 @@ from typing import Any
 import numpy as np
 
 from .kernel import kernel
-from .random import CROSSINGS, START, normal, sequence, uniform
+from .random import normal, sequence, uniform
 
 MISS = 1e-12
 """Probability of an error that one step of the sampler may make."""
@@ -137,41 +137,40 @@ def exit_of_bridge(state: Any, x: Any, y: Any, span: Any, variance: Any, above: 
 
 @kernel
 def pixel_events(
-    state: Any, x: Any, y: Any, span: Any, noise2: Any, above: Any, below: Any, times: Any, sides: Any
-) -> Any:
-    """All events of one pixel over one interval, the path going from x to y before resets.
+    state: Any, x: Any, y: Any, span: Any, noise2: Any, above: Any, below: Any,
+    address: Any, cuts: Any, keys: Any, written: Any,
+) -> Any:  # fmt: skip
+    """All events of one pixel over one interval, its path going from x to y if there were no resets.
 
-    noise2: sigma^2 [1/us]; span [us]; times (capacity,) float64 and sides (capacity,) int8 are filled.
-    Returns (number of events, voltage at the end); -1 events when the capacity does not suffice.
+    noise2: sigma^2 [1/us]; span [us]; cuts (2, DEEPEST + 1): room for the ends of bridges that were cut.
+    Fills keys[written:]. Returns (written, voltage at the end), written being -1 when keys is full.
     """
-    cut_time = np.empty(DEEPEST + 1)
-    cut_voltage = np.empty(DEEPEST + 1)
-    cut_time[0], cut_voltage[0] = span, y
-    depth = 0
-    now, fallen, count = 0.0, 0.0, 0  # fallen: what resets have subtracted from the path so far
+    times, voltages = cuts[0], cuts[1]
+    times[0], voltages[0] = span, y
+    depth, now, fallen = 0, 0.0, 0.0  # fallen: what resets have subtracted from the path so far
     while depth >= 0:
-        left = cut_time[depth] - now
-        end = cut_voltage[depth] - fallen
+        left = times[depth] - now
+        end = voltages[depth] - fallen
         variance = noise2 * left
         if depth < DEEPEST and needs_cut(x, end, above, below, variance):
             state, gauss = normal(state)
             depth += 1
-            cut_time[depth] = now + 0.5 * left
-            cut_voltage[depth] = 0.5 * (x + end) + 0.5 * math.sqrt(variance) * gauss + fallen
+            times[depth] = now + 0.5 * left
+            voltages[depth] = 0.5 * (x + end) + 0.5 * math.sqrt(variance) * gauss + fallen
             continue
         state, side, time = exit_of_bridge(state, x, end, left, variance, above, below)
         if side == 0:
-            now, x = cut_time[depth], end
+            now, x = times[depth], end
             depth -= 1
             continue
-        if count == times.shape[0]:
+        if written == keys.shape[0]:
             return -1, 0.0
         now += time
-        times[count], sides[count] = now, side
-        count += 1
+        keys[written] = event_key(min(now, span), address, side)
+        written += 1
         fallen += above if side > 0 else -below
         x = 0.0
-    return count, x
+    return written, x
 
 
 @kernel
@@ -180,62 +179,69 @@ def gather(
 ) -> Any:
     """The lazy step: let drift and noise gather where no barrier is within reach.
 
-    All arrays (pixels,) float32; near (pixels,) int32 receives the indices of the other pixels, which
-    stay as they were. Returns their number.
+    All arrays (pixels,) float32; near (pixels + 1,) int32 receives the indices of the other pixels, which
+    stay as they were. Returns their number. Two loops, because the first is then vectorised.
     """
-    count = 0
     reach2 = np.float32(REACH * REACH)
+    far = np.empty(voltage.shape[0], np.bool_)
     for i in range(voltage.shape[0]):
         start = voltage[i]
         end = start + drift[i]
         variance = pending[i] + noise[i] * noise[i] * span
-        up = above[i] - max(start, end)
-        down = below[i] + min(start, end)
-        closest = min(up, down)
-        if closest > 0 and closest * closest > reach2 * variance:
-            voltage[i] = end
-            pending[i] = variance
-        else:
-            near[count] = i
-            count += 1
+        closest = min(above[i] - max(start, end), below[i] + min(start, end))
+        far[i] = (closest > 0) & (closest * closest > reach2 * variance)
+        voltage[i] = end if far[i] else start
+        pending[i] = variance if far[i] else pending[i]
+    count = 0
+    for i in range(voltage.shape[0]):
+        near[count] = i
+        count += not far[i]
     return count
 
 
 @kernel
 def cross(
     voltage: Any, pending: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any, near: Any,
-    first: Any, count: Any, seed: Any, interval: Any, pixel0: Any, width: Any,
-    times: Any, sides: Any, keys: Any,
+    first: Any, count: Any, key: Any, pixel0: Any, width: Any, keys: Any,
 ) -> Any:  # fmt: skip
     """Draw the paths of the pixels near[first:count] and pack their events into keys.
 
-    Returns (pixels done, events written). Stops early, before the pixel concerned changes, when keys
-    (capacity,) uint64 or times and sides (capacity,) are too small; call again with larger ones: the
-    same numbers are drawn.
+    key: `interval_key` of the interval. Returns (pixels done, events written). Stops before the pixel whose
+    events do not fit into keys (capacity,) uint64; call again with more room, the same numbers are drawn.
     """
     written = 0
+    root = math.sqrt(span)
+    cuts = np.empty((2, DEEPEST + 1))
     for k in range(first, count):
         i = near[k]
-        state = sequence(seed, CROSSINGS, interval, pixel0 + i)
+        state = sequence(key, pixel0 + i)
+        above_i, below_i, sigma = np.float64(above[i]), np.float64(below[i]), np.float64(noise[i])
         x = np.float64(voltage[i])
         if pending[i] > 0.0:
             state, gauss = normal(state)
             x += math.sqrt(pending[i]) * gauss
-        above_i, below_i = np.float64(above[i]), np.float64(below[i])
-        x = min(max(x, -below_i), above_i)  # rounding may have put the start on a barrier
-        sigma = np.float64(noise[i])
+        x = min(max(x, -below_i), above_i)  # beyond only by rounding, or where a threshold was lowered
         state, gauss = normal(state)
-        y = x + drift[i] + sigma * math.sqrt(span) * gauss
-        events, end = pixel_events(state, x, y, span, sigma * sigma, above_i, below_i, times, sides)
-        if events < 0 or written + events > keys.shape[0]:
-            return k, written
-        address = event_address(pixel0 + i, width)
-        for e in range(events):
-            keys[written + e] = event_key(times[e], span, address, sides[e])
-        written += events
-        voltage[i] = end
+        y = x + drift[i] + sigma * root * gauss
+        if not stays_inside(x, y, above_i, below_i, sigma * sigma * span):
+            address = event_address(pixel0 + i, width)
+            done, y = pixel_events(
+                state, x, y, span, sigma * sigma, above_i, below_i, address, cuts, keys, written
+            )
+            if done < 0:
+                return k, written
+            written = done
+        voltage[i] = y
         pending[i] = 0.0
     return count, written
+
+
+@kernel
+def stays_inside(x: Any, y: Any, above: Any, below: Any, variance: Any) -> Any:
+    """True when a bridge from x to y touches a barrier with probability below MISS: most that were near."""
+    limit = -0.5 * LOG_MISS * variance
+    ends_inside = y < above and y > -below and x < above and x > -below
+    return ends_inside and (above - x) * (above - y) > limit and (x + below) * (y + below) > limit
 
 
 @kernel
@@ -246,10 +252,9 @@ def event_address(pixel: Any, width: Any) -> Any:
 
 
 @kernel
-def event_key(time: Any, span: Any, address: Any, side: Any) -> Any:
+def event_key(time: Any, address: Any, side: Any) -> Any:
     """One event in 64 bits; time [us] since the frame before, rounded down to a microsecond."""
-    t_us = np.uint64(min(time, span))
-    return (t_us << _TIME_SHIFT) | address | (_ONE if side > 0 else np.uint64(0))
+    return (np.uint64(time) << _TIME_SHIFT) | address | (_ONE if side > 0 else np.uint64(0))
 
 
 @kernel
@@ -265,11 +270,11 @@ def unpack(keys: Any, start_us: Any, t: Any, x: Any, y: Any, p: Any) -> None:
 
 @kernel
 def start_voltage(
-    voltage: Any, drift: Any, noise: Any, above: Any, below: Any, seed: Any, pixel0: Any
+    voltage: Any, drift: Any, noise: Any, above: Any, below: Any, key: Any, pixel0: Any
 ) -> None:
     """Voltages of pixels that have been looking at a still scene for long: the stationary law.
 
-    drift [1/us] and noise [1/sqrt(us)] of the still scene, per pixel. With nu = 2 mu / sigma^2 the
+    drift [1/us] and noise [1/sqrt(us)] of the still scene; key: `interval_key`. With nu = 2 mu / sigma^2 the
     density of a Brownian motion that restarts at 0 when it leaves (-B, A) is, up to its height at 0,
 
         (1 - exp(-nu (A - x))) / (1 - exp(-nu A))             for x >= 0
@@ -280,7 +285,7 @@ def start_voltage(
     leak events after 1/mu. Drawn by rejection from the uniform law.
     """
     for i in range(voltage.shape[0]):
-        state = sequence(seed, START, np.uint64(0), pixel0 + i)
+        state = sequence(key, pixel0 + i)
         mu, sigma = np.float64(drift[i]), np.float64(noise[i])
         side = 1.0 if mu >= 0.0 else -1.0
         a, b = (above[i], below[i]) if mu >= 0.0 else (below[i], above[i])

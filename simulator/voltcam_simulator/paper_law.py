@@ -16,7 +16,7 @@ import numpy as np
 
 from .first_passage import event_address, event_key, inverse_gaussian
 from .kernel import kernel
-from .random import CROSSINGS, sequence, uniform
+from .random import sequence, uniform
 
 
 @kernel
@@ -35,15 +35,16 @@ def on_probability(mu: Any, sigma2: Any, up: Any, down: Any) -> Any:
 @kernel
 def cross_by_paper(
     residual: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any,
-    first: Any, seed: Any, interval: Any, pixel0: Any, width: Any, times: Any, sides: Any, keys: Any,
+    first: Any, key: Any, pixel0: Any, width: Any, keys: Any,
 ) -> Any:  # fmt: skip
     """All pixels from `first` on, over one interval; arrays and return value as in `first_passage.cross`."""
     written = 0
     for i in range(first, residual.shape[0]):
-        state = sequence(seed, CROSSINGS, interval, pixel0 + i)
+        state = sequence(key, pixel0 + i)
         mu, sigma2 = drift[i] / span, np.float64(noise[i]) ** 2
         v: Any = np.float64(residual[i])
-        now, events = 0.0, 0
+        now, events = 0.0, written
+        address = event_address(pixel0 + i, width)
         while True:
             up, down = max(above[i] - v, 0.0), max(below[i] + v, 0.0)
             state, u = uniform(state)
@@ -57,17 +58,12 @@ def cross_by_paper(
             if now + tau >= span:
                 v += (distance if on else -distance) * (span - now) / tau
                 break
-            if events == times.shape[0]:
+            if events == keys.shape[0]:
                 return i, written
             now += tau
-            times[events], sides[events] = now, 1 if on else -1
+            keys[events] = event_key(now, address, 1 if on else -1)
             events += 1
             v = 0.0
-        if written + events > keys.shape[0]:
-            return i, written
-        address = event_address(pixel0 + i, width)
-        for e in range(events):
-            keys[written + e] = event_key(times[e], span, address, sides[e])
-        written += events
+        written = events
         residual[i] = v
     return residual.shape[0], written

@@ -10,6 +10,7 @@ from .effect import EVENT, Effect, Interval, Plane, Sensor
 from .first_passage import TIME_BITS, cross, gather, start_voltage, unpack
 from .paper_law import cross_by_paper
 from .parameters import Parameters
+from .random import CROSSINGS, START, interval_key
 
 Law = Literal["exact", "paper"]
 
@@ -43,9 +44,8 @@ class Simulator:
         self._t_us = 0
         self._intervals = 0
         self._drift, self._noise = np.empty(BAND_PIXELS, np.float32), np.empty(BAND_PIXELS, np.float32)
-        self._near = np.empty(BAND_PIXELS, np.int32)
+        self._near = np.empty(BAND_PIXELS + 1, np.int32)
         self._keys = np.empty(BAND_PIXELS, np.uint64)
-        self._times, self._sides = np.empty(64), np.empty(64, np.int8)
         self.parameters = parameters if parameters is not None else Parameters()
 
     @property
@@ -107,13 +107,19 @@ class Simulator:
         self._frame, self._t_us = plane, t_us
         if self.law == "paper":
             return
+        key = interval_key(self.seed, START, 0)
         for start in range(0, plane.size, BAND_PIXELS):
             band = slice(start, min(start + BAND_PIXELS, plane.size))
             still = self._interval(plane[band], plane[band], 1.0)
             start_voltage(
-                self._voltage[band], still.drift, still.noise, self._above[band], self._below[band],
-                np.uint64(self.seed), start,
-            )  # fmt: skip
+                self._voltage[band],
+                still.drift,
+                still.noise,
+                self._above[band],
+                self._below[band],
+                key,
+                start,
+            )
 
     def _interval(self, first: Plane, last: Plane, span_us: float) -> Interval:
         """Drift and noise of a band of pixels, all effects added."""
@@ -139,17 +145,9 @@ class Simulator:
         if self.law == "exact":
             span = np.float32(span_us)
             count = gather(voltage, pending, drift, noise, span, above, below, self._near)
+        key = interval_key(self.seed, CROSSINGS, self._intervals)
         while done < count:
-            keys = self._keys[filled:]
-            at = (
-                np.uint64(self.seed),
-                np.uint64(self._intervals),
-                start,
-                self.width,
-                self._times,
-                self._sides,
-                keys,
-            )
+            at = (key, start, self.width, self._keys[filled:])
             if self.law == "exact":
                 done, written = cross(
                     voltage, pending, drift, noise, span_us, above, below, self._near, done, count, *at
@@ -158,13 +156,8 @@ class Simulator:
                 done, written = cross_by_paper(voltage, drift, noise, span_us, above, below, done, *at)
             filled += written
             if done < count:
-                self._grow()
+                self._keys = np.concatenate([self._keys, np.empty_like(self._keys)])
         return filled
-
-    def _grow(self) -> None:
-        """Twice the room for events: of one pixel, and of one interval."""
-        self._keys = np.concatenate([self._keys, np.empty_like(self._keys)])
-        self._times, self._sides = np.empty(2 * self._times.size), np.empty(2 * self._sides.size, np.int8)
 
     def _sorted_events(self, filled: int) -> NDArray[np.void]:
         keys = self._keys[:filled]

@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
 from voltcam_simulator.first_passage import cross
+from voltcam_simulator.random import CROSSINGS, interval_key
 
 Floats = NDArray[np.float64]
 SPAN_US = 1_000_000.0
@@ -22,7 +23,7 @@ def crossings(
     keys = np.empty(2000 * n if noise > 2 else 200 * n, np.uint64)
     done, written = cross(
         voltage, pending, plane[0], plane[1], SPAN_US, plane[2], plane[3], np.arange(n, dtype=np.int32),
-        0, n, np.uint64(seed), np.uint64(0), 0, n, np.empty(2000), np.empty(2000, np.int8), keys,
+        0, n, interval_key(seed, CROSSINGS, 0), 0, n, keys,
     )  # fmt: skip
     assert done == n
     keys = keys[:written]

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from voltcam_simulator.first_passage import gather, inverse_gaussian, start_voltage
+from voltcam_simulator.random import START, interval_key
 
 from .brownian import crossings, fine_steps, first_exit_cdf
 
@@ -124,7 +125,7 @@ def test_gather_is_its_numpy_twin() -> None:
     )
     far = distance > 7.4 * np.sqrt(variance)
     expected = np.where(far, voltage + drift, voltage), np.where(far, variance, pending)
-    near = np.empty(n, np.int32)
+    near = np.empty(n + 1, np.int32)
     count = gather(voltage, pending, drift, noise, np.float32(1000), above, below, near)
     assert 0 < count < n
     assert near[:count].tolist() == np.flatnonzero(~far).tolist()
@@ -148,7 +149,7 @@ def test_the_start_is_the_stationary_law(drift: float, noise: float, above: floa
 
     def start(seed: int) -> NDArray[np.float32]:
         planes = [np.full(n, v, np.float32) for v in (0, drift / 1e6, noise / 1e3, above, below)]
-        start_voltage(*planes, np.uint64(seed), 0)
+        start_voltage(*planes, interval_key(seed, START, 0), 0)
         return planes[0]
 
     voltage = start(1)

@@ -4,13 +4,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from voltcam_simulator.random import CROSSINGS, START, normal, pattern, sequence, uniform
+from voltcam_simulator.random import CROSSINGS, START, interval_key, normal, pattern, sequence, uniform
 
 P_LIMIT = 1e-4
 
 
 def uniforms(seed: int, stream: np.uint64, interval: int, pixels: int) -> NDArray[np.float64]:
-    starts = (sequence(np.uint64(seed), stream, np.uint64(interval), pixel) for pixel in range(pixels))
+    key = interval_key(seed, stream, interval)
+    starts = (sequence(key, pixel) for pixel in range(pixels))
     return np.array([uniform(np.uint64(start))[1] for start in starts])
 
 

@@ -1,6 +1,5 @@
 """The pixel answers to relative change: the drift term in dL/dt of Eq. 10."""
 
-import math
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -8,6 +7,7 @@ from pydantic import Field
 
 from ..effect import Effect, Interval, quantity
 from ..kernel import kernel
+from ..logarithm import add_logarithm
 
 
 class ContrastResponse(Effect):
@@ -42,9 +42,10 @@ class ContrastResponse(Effect):
 
 @kernel
 def add_logarithmic(first: Any, last: Any, k1: Any, k2: Any, drift: Any) -> None:
+    ratio = np.empty_like(drift)
     for i in range(drift.shape[0]):
-        if first[i] != last[i]:
-            drift[i] += k1 * math.log((last[i] + k2) / (first[i] + k2))
+        ratio[i] = (last[i] + k2) / (first[i] + k2)
+    add_logarithm(ratio, k1, drift)
 
 
 @kernel
