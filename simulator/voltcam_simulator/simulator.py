@@ -14,7 +14,7 @@ from .random import CROSSINGS, START, interval_key
 
 Law = Literal["exact", "paper"]
 
-BAND_PIXELS = 8192  # the planes of a band stay in the processor's cache from effect to effect
+BAND_PIXELS = 16384  # the planes of a band stay in the processor's cache from effect to effect
 LONGEST_INTERVAL_US = 2**TIME_BITS - 1
 
 
