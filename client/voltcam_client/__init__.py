@@ -1,0 +1,17 @@
+"""Voltcam's client: subscribe to an emulated event camera, turn its parameters, read and write recordings."""
+
+from voltcam_client.camera import EventCamera
+from voltcam_client.control import Control
+from voltcam_client.errors import ControlError, PacketError, VoltcamError
+from voltcam_client.packet import EVENT, FrameMessage, Packet
+
+__all__ = [
+    "EVENT",
+    "Control",
+    "ControlError",
+    "EventCamera",
+    "FrameMessage",
+    "Packet",
+    "PacketError",
+    "VoltcamError",
+]

@@ -1,0 +1,182 @@
+"""A running camera as an iterable of packets: `for packet in EventCamera("tcp://127.0.0.1:5560")`."""
+
+import time
+from collections.abc import Callable
+from typing import Generic, Self, TypeVar
+
+import zmq
+import zmq.asyncio
+
+from voltcam_client.encodings import Buffer
+from voltcam_client.errors import PacketError, VoltcamError
+from voltcam_client.packet import (
+    TOPIC_EVENTS,
+    TOPIC_FRAMES,
+    FrameMessage,
+    Packet,
+    decode_frame,
+    decode_packet,
+)
+
+DEFAULT_URL = "tcp://127.0.0.1:5560"
+RECONNECT_MS, SLOWEST_RECONNECT_MS = 100, 1000
+HEARTBEAT_MS, HEARTBEAT_TIMEOUT_MS = 1000, 5000  # a pulled cable is noticed, and reconnected, after this
+
+Message = TypeVar("Message", bound=Packet | FrameMessage)
+
+
+class Stream(Generic[Message]):
+    """The messages of one topic, for `for` and `async for`. It reconnects by itself, for ever.
+
+    lost_packets  messages sent since the first one received here that did not arrive
+    restarts      how often `seq` went back, because the daemon was started again; what is lost between the
+                  two cannot be known
+    latency_us    how long ago, on this host's clock, the last message was made; None before the first
+
+    Iterating raises TimeoutError when no message comes for `timeout_s` (None: waits for ever), after which
+    it may go on, and PacketError for what is not a message of a Voltcam daemon. One thread at a time.
+    """
+
+    def __init__(
+        self,
+        url: str,
+        topic: bytes,
+        decode: Callable[[Buffer, Buffer], Message],
+        *,
+        timeout_s: float | None,
+        queue_length: int,
+    ) -> None:
+        self.url = url
+        self.timeout_s = timeout_s
+        self.lost_packets = 0
+        self.restarts = 0
+        self.latency_us: int | None = None
+        self._decode = decode
+        self._last_seq: int | None = None
+        self._socket = _subscribe(url, topic, queue_length)
+        self._async_socket: zmq.asyncio.Socket | None = None
+
+    def receive(self, timeout_s: float | None = None) -> Message | None:
+        """The next message, or None if there is none within `timeout_s` (None: waits for ever)."""
+        if not self._socket.poll(_milliseconds(timeout_s)):
+            return None
+        return self._accept(self._socket.recv_multipart())
+
+    async def receive_async(self, timeout_s: float | None = None) -> Message | None:
+        """`receive` for asyncio."""
+        if self._async_socket is None:
+            self._async_socket = zmq.asyncio.Socket.from_socket(self._socket)
+        if not await self._async_socket.poll(_milliseconds(timeout_s)):
+            return None
+        return self._accept(await self._async_socket.recv_multipart())
+
+    def close(self) -> None:
+        """Unsubscribe. Iterating ends."""
+        if self._async_socket is not None:
+            self._async_socket.close()
+        self._socket.close()
+
+    def __iter__(self) -> Self:
+        return self
+
+    def __next__(self) -> Message:
+        if self._socket.closed:
+            raise StopIteration
+        message = self.receive(self.timeout_s)
+        if message is None:
+            raise self._timeout()
+        return message
+
+    def __aiter__(self) -> Self:
+        return self
+
+    async def __anext__(self) -> Message:
+        if self._socket.closed:
+            raise StopAsyncIteration
+        message = await self.receive_async(self.timeout_s)
+        if message is None:
+            raise self._timeout()
+        return message
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc_info: object) -> None:
+        self.close()
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(self, *exc_info: object) -> None:
+        self.close()
+
+    def __del__(self) -> None:
+        if hasattr(self, "_socket"):  # not when the constructor failed
+            self.close()
+
+    def _timeout(self) -> TimeoutError:
+        return TimeoutError(
+            f"nothing from {self.url} for {self.timeout_s:g} s: is `voltcam serve` running there?"
+        )
+
+    def _accept(self, parts: list[bytes]) -> Message:
+        if len(parts) != 3:
+            raise PacketError(
+                f"{self.url} sent a message of {len(parts)} parts, not 3: is it a Voltcam daemon?"
+            )
+        _topic, header, buffer = parts
+        try:
+            message = self._decode(header, buffer)
+        except PacketError as error:
+            raise PacketError(f"{self.url}: {error}") from error
+        self.latency_us = (time.time_ns() - message.stamp_ns) // 1000
+        self._count(message.seq)
+        return message
+
+    def _count(self, seq: int) -> None:
+        if self._last_seq is not None:
+            if seq > self._last_seq:
+                self.lost_packets += seq - self._last_seq - 1
+            else:
+                self.restarts += 1
+        self._last_seq = seq
+
+
+class EventCamera(Stream[Packet]):
+    """The event packets of the Voltcam daemon at a ZeroMQ address.
+
+    A reader slower than the camera loses packets, not memory: `queue_length` of them wait here, more are
+    dropped and show in `lost_packets`. Raises VoltcamError for an address that is none.
+    """
+
+    def __init__(
+        self, url: str = DEFAULT_URL, *, timeout_s: float | None = None, queue_length: int = 1000
+    ) -> None:
+        super().__init__(url, TOPIC_EVENTS, decode_packet, timeout_s=timeout_s, queue_length=queue_length)
+
+    def frames(self, *, queue_length: int = 30) -> Stream[FrameMessage]:
+        """The frames that the camera sees, over a connection of their own."""
+        return Stream(
+            self.url, TOPIC_FRAMES, decode_frame, timeout_s=self.timeout_s, queue_length=queue_length
+        )
+
+
+def _subscribe(url: str, topic: bytes, queue_length: int) -> zmq.SyncSocket:
+    socket: zmq.SyncSocket = zmq.Context.instance().socket(zmq.SUB)
+    socket.linger = 0
+    socket.rcvhwm = queue_length
+    socket.reconnect_ivl = RECONNECT_MS
+    socket.reconnect_ivl_max = SLOWEST_RECONNECT_MS
+    socket.heartbeat_ivl = HEARTBEAT_MS
+    socket.heartbeat_timeout = HEARTBEAT_TIMEOUT_MS
+    socket.subscribe(topic)
+    try:
+        socket.connect(url)
+    except zmq.ZMQError as error:
+        socket.close()
+        raise VoltcamError(f"cannot subscribe to {url!r} ({error.strerror}): give tcp://HOST:PORT") from error
+    return socket
+
+
+def _milliseconds(timeout_s: float | None) -> int:
+    return -1 if timeout_s is None else max(0, round(1000 * timeout_s))

@@ -1,0 +1,120 @@
+"""A running camera's parameters, source and recording, over the daemon's REST interface."""
+
+import json
+import urllib.error
+import urllib.request
+from collections.abc import Mapping
+from http.client import HTTPException
+from pathlib import Path
+from typing import Any
+
+from voltcam_client.errors import ControlError
+
+DEFAULT_URL = "http://127.0.0.1:8560"
+Json = dict[str, Any]
+
+
+class Control:
+    """The Voltcam daemon at an HTTP address.
+
+    Each method returns the daemon's answer and raises ControlError, in one line, when the daemon refuses or
+    does not answer within `timeout_s`; a refused change has changed nothing.
+    """
+
+    def __init__(self, url: str = DEFAULT_URL, *, timeout_s: float = 5.0) -> None:
+        if not url.startswith(("http://", "https://")):
+            raise ControlError(f"{url!r} is not an address of a daemon: give http://HOST:PORT")
+        self.url = url.rstrip("/")
+        self.timeout_s = timeout_s
+        # Straight to the daemon: a proxy from the environment is for the outside world.
+        self._opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
+
+    def camera(self) -> Json:
+        """Name, width, height and addresses of the camera."""
+        return self._request("GET", "/camera")
+
+    def parameters(self) -> Json:
+        """All parameters, nested by effect."""
+        return self._request("GET", "/parameters")
+
+    def set(self, changes: Mapping[str, Any]) -> Json:
+        """Change parameters, all at once, between two frames.
+
+        Either nested, `{"comparator": {"theta_on": 1.2}}`, or by path, `{"comparator.theta_on": 1.2}`.
+        """
+        return self._request("PATCH", "/parameters", _nested(changes))
+
+    def schema(self) -> Json:
+        """The parameters' JSON schema: unit, limits and meaning of each."""
+        return self._request("GET", "/parameters/schema")
+
+    def source(self) -> Json:
+        """What the camera looks at."""
+        return self._request("GET", "/source")
+
+    def set_source(self, uri: str, **options: Any) -> Json:
+        """Look at something else: an address as for `voltcam serve --source`, and options such as fps=30."""
+        return self._request("PUT", "/source", {"uri": uri, **options})
+
+    def start_recording(self, path: str | Path) -> Json:
+        """Record into a file on the daemon's host."""
+        return self._request("POST", "/recording", {"path": str(path)})
+
+    def stop_recording(self) -> Json:
+        """End the recording."""
+        return self._request("DELETE", "/recording")
+
+    def status(self) -> Json:
+        """Rates, drops, state of the source and of the recording."""
+        return self._request("GET", "/status")
+
+    def _request(self, method: str, path: str, body: Json | None = None) -> Json:
+        url = f"{self.url}/api/v1{path}"
+        data = None if body is None else json.dumps(body).encode()
+        try:
+            request = urllib.request.Request(url, data, {"Content-Type": "application/json"}, method=method)
+            with self._opener.open(request, timeout=self.timeout_s) as response:
+                answer = json.loads(response.read() or b"{}")
+        except urllib.error.HTTPError as error:
+            with error:
+                raise ControlError(_detail(error), error.code) from error
+        except json.JSONDecodeError as error:
+            raise ControlError(f"{url} did not answer in JSON: is it a Voltcam daemon?") from error
+        except (OSError, HTTPException, ValueError) as error:
+            reason = getattr(error, "reason", error)
+            raise ControlError(
+                f"cannot reach {self.url} ({reason}): is `voltcam serve` running there?"
+            ) from error
+        if not isinstance(answer, dict):
+            raise ControlError(f"{url} did not answer with a JSON object: is it a Voltcam daemon?")
+        return answer
+
+
+def _nested(changes: Mapping[str, Any]) -> Json:
+    """{"a.b": 1, "c": {"d": 2}} to {"a": {"b": 1}, "c": {"d": 2}}."""
+    nested: Json = {}
+    for path, value in changes.items():
+        *effects, name = path.split(".")
+        inner = nested
+        for effect in effects:
+            inner = inner.setdefault(effect, {})
+        if isinstance(value, Mapping):
+            inner.setdefault(name, {}).update(value)
+        else:
+            inner[name] = value
+    return nested
+
+
+def _detail(error: urllib.error.HTTPError) -> str:
+    """The daemon's reason: its own {"detail": "one line"}, or FastAPI's {"detail": [{"loc", "msg"}]}."""
+    try:
+        detail = json.loads(error.read())["detail"]
+        if isinstance(detail, list):
+            detail = "; ".join(f"{_place(item['loc'])}: {item['msg']}" for item in detail)
+    except (ValueError, KeyError, TypeError, OSError):
+        detail = f"{error.url} answered {error.code} {error.reason}: is it a Voltcam daemon?"
+    return " ".join(str(detail).split())
+
+
+def _place(location: list[str | int]) -> str:
+    return ".".join(str(part) for part in location if part != "body")

@@ -1,0 +1,27 @@
+"""Frames in, with their times: the one place that knows OpenCV.
+
+`open_source(request)` gives frames of anything that moves; `watch(request, stop, on_state)` keeps a camera
+or stream open for as long as the daemon runs. Knows no other package of this project.
+"""
+
+from voltcam_video.clock import Clock
+from voltcam_video.frame import Fit, Frame, Image, fit, luminance
+from voltcam_video.request import SourceRequest
+from voltcam_video.sources import Granted, Source, SourceError, open_source
+from voltcam_video.watch import SourceState, watch
+
+__all__ = [
+    "Clock",
+    "Fit",
+    "Frame",
+    "Granted",
+    "Image",
+    "Source",
+    "SourceError",
+    "SourceRequest",
+    "SourceState",
+    "fit",
+    "luminance",
+    "open_source",
+    "watch",
+]

@@ -1,0 +1,90 @@
+"""A frame, its luminance, and its fit into the camera's pixel array."""
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from voltcam_video.opencv import cv2
+
+Image = NDArray[np.uint8 | np.float32]
+Fit = Literal["crop", "letterbox", "stretch"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frame:
+    """A luminance image and when it was taken.
+
+    image: (H, W) uint8, or float32 in 0..255 where the source is finer than 8 bits.
+    t_us: int microseconds; since the epoch for live sources and real-time pacing, else the source's own.
+    cut: the scene did not evolve continuously from the former frame: the first frame after a
+        reconnection, and the first of every further round of a looped recording.
+    """
+
+    image: Image
+    t_us: int
+    cut: bool = False
+
+
+def luminance(image: NDArray[Any]) -> Image:
+    """Grey, BGR or BGRA of 8 bit, 16 bit or float (0..255) as luminance (H, W), ITU-R BT.601 weights.
+
+    8 bit stays uint8; 16 bit (full scale 65535) and float become float32 in 0..255.
+    Raises ValueError for any other shape or type.
+    """
+    channels = image.shape[2] if image.ndim == 3 else 1
+    if image.ndim not in (2, 3) or channels not in (1, 3, 4) or image.size == 0:
+        raise ValueError(f"an image is (H, W), (H, W, 3) or (H, W, 4), not {image.shape}")
+    if image.dtype == np.uint16:
+        image = image.astype(np.float32) / np.float32(257)
+    elif np.issubdtype(image.dtype, np.floating):
+        image = image.astype(np.float32, copy=False)
+    elif image.dtype != np.uint8:
+        raise ValueError(f"an image is uint8, uint16 or float, not {image.dtype}")
+    if channels == 1:
+        return np.ascontiguousarray(image.reshape(image.shape[:2]))
+    code = cv2.COLOR_BGR2GRAY if channels == 3 else cv2.COLOR_BGRA2GRAY
+    return cv2.cvtColor(np.ascontiguousarray(image), code)  # type: ignore[return-value]
+
+
+def fit(image: Image, width: int, height: int, how: Fit) -> Image:
+    """`image` (H, W) as (height, width): shrinking averages areas, growing interpolates linearly.
+
+    crop fills the array and loses the edges, letterbox shows all of it between black bars, stretch
+    shows all of it out of proportion.
+    """
+    if image.shape == (height, width):
+        return image
+    if how == "stretch":
+        return _resize(image, width, height)
+    if how == "crop":
+        return _resize(_centre(image, width, height), width, height)
+    scale = min(width / image.shape[1], height / image.shape[0])
+    w = min(width, max(1, round(image.shape[1] * scale)))
+    h = min(height, max(1, round(image.shape[0] * scale)))
+    x, y = (width - w) // 2, (height - h) // 2
+    boxed: Image = np.zeros((height, width), image.dtype)
+    boxed[y : y + h, x : x + w] = _resize(image, w, h)
+    return boxed
+
+
+def _centre(image: Image, width: int, height: int) -> Image:
+    """The largest part of `image` around its centre that has the proportions width : height."""
+    rows, columns = image.shape
+    scale = min(columns / width, rows / height)
+    w, h = max(1, round(width * scale)), max(1, round(height * scale))
+    x, y = (columns - w) // 2, (rows - h) // 2
+    return image[y : y + h, x : x + w]
+
+
+def _resize(image: Image, width: int, height: int) -> Image:
+    # In two steps, because OpenCV's area interpolation is one only where neither axis grows.
+    rows, columns = image.shape
+    shrunk = (min(width, columns), min(height, rows))
+    resized: Any = image
+    if shrunk != (columns, rows):
+        resized = cv2.resize(resized, shrunk, interpolation=cv2.INTER_AREA)
+    if shrunk != (width, height):
+        resized = cv2.resize(resized, (width, height), interpolation=cv2.INTER_LINEAR)
+    return np.ascontiguousarray(resized)

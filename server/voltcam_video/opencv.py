@@ -1,0 +1,39 @@
+"""OpenCV, told to keep its own and ffmpeg's log lines off stderr: our errors say it in one line.
+
+Both stay talkative for a user who sets OPENCV_LOG_LEVEL or OPENCV_FFMPEG_LOGLEVEL.
+"""
+
+import os
+from typing import Any, Protocol
+
+os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")  # AV_LOG_QUIET; read when the first video opens
+
+import cv2
+
+if "OPENCV_LOG_LEVEL" not in os.environ:
+    # OpenCV 4 has it here, OpenCV 5 there.
+    silence = getattr(cv2, "setLogLevel", None) or cv2.utils.logging.setLogLevel
+    silence(0)
+
+__all__ = ["Capture", "cv2", "fourcc_text"]
+
+
+class Capture(Protocol):
+    """What we use of `cv2.VideoCapture`, so that a test can stand in for a camera."""
+
+    def isOpened(self) -> bool: ...  # noqa: N802
+    def get(self, prop: int, /) -> float: ...
+    def set(self, prop: int, value: float, /) -> bool: ...
+    def grab(self) -> bool: ...
+    def retrieve(self) -> tuple[bool, Any]: ...
+    def release(self) -> None: ...
+    def getBackendName(self) -> str: ...  # noqa: N802
+
+
+def fourcc_text(capture: Capture) -> str | None:
+    """The four characters of the pixel format or codec, None where the backend does not say."""
+    code = int(capture.get(cv2.CAP_PROP_FOURCC))
+    if code <= 0:
+        return None
+    text = code.to_bytes(4, "little").decode("ascii", "replace").strip("\0 ")
+    return text if text.isprintable() else None

@@ -1,0 +1,57 @@
+"""What a user asks of a source: the config file's section and the body of `PUT /source`."""
+
+import re
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from voltcam_video.frame import Fit
+
+
+class SourceRequest(BaseModel):
+    """Which source, and how to read it. What a source cannot do it ignores; `granted` says what came."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", coerce_numbers_to_str=True)
+
+    uri: str = Field(
+        default="scene",
+        min_length=1,
+        description="scene (built in), a camera (0 or /dev/video0), a video file, a folder with images.txt, "
+        "an .npz, or a stream (rtsp://, http://, udp://...)",
+    )
+    width: int | None = Field(
+        default=None, ge=1, le=16384, description="pixels, asked of a camera or the scene; none: as it comes"
+    )
+    height: int | None = Field(
+        default=None, ge=1, le=16384, description="pixels, asked of a camera or the scene; none: as it comes"
+    )
+    fps: float | None = Field(
+        default=None, gt=0, le=10000, description="frames per second, asked of a camera or the scene"
+    )
+    pixel_format: str | None = Field(
+        default=None,
+        pattern=r"^[A-Za-z0-9 ]{4}$",
+        description="four characters, asked of a camera: MJPG, YUYV, GREY...; none: OpenCV's choice",
+    )
+    pace: Literal["realtime", "fast"] = Field(
+        default="realtime",
+        description="recordings and the scene: realtime delivers each frame when it is due, stamped with the "
+        "wall clock; fast delivers at once, with the recording's own times",
+    )
+    loop: bool = Field(default=False, description="start a recording again at its end, time running on")
+    fit: Fit = Field(
+        default="crop",
+        description="how frames of other proportions go into the camera's array: crop (edges lost), "
+        "letterbox (black bars), stretch (out of proportion)",
+    )
+    timeout_s: float = Field(
+        default=5.0,
+        gt=0,
+        le=60,
+        description="seconds without a frame after which a camera or stream has stalled",
+    )
+
+    @property
+    def shown(self) -> str:
+        """The uri for messages and logs: a stream's password is left out."""
+        return re.sub(r"(?<=://)([^/@:]*):[^/@]*@", r"\1:***@", self.uri)

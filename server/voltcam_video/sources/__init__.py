@@ -1,0 +1,39 @@
+"""One file per kind of source; `open_source` picks by the uri."""
+
+import threading
+from pathlib import Path
+
+from voltcam_video.clock import Clock
+from voltcam_video.request import SourceRequest
+from voltcam_video.sources.device import DeviceSource
+from voltcam_video.sources.file import FileSource
+from voltcam_video.sources.images import ImagesSource
+from voltcam_video.sources.network import NetworkSource
+from voltcam_video.sources.npz import NpzSource
+from voltcam_video.sources.scene import SceneSource
+from voltcam_video.sources.source import Granted, Source, SourceError
+
+__all__ = ["Granted", "Source", "SourceError", "open_source"]
+
+
+def open_source(
+    request: SourceRequest, clock: Clock | None = None, stop: threading.Event | None = None
+) -> Source:
+    """Opens what `request.uri` names. Raises SourceError.
+
+    clock: what live frames and real-time pacing are stamped with. stop: ends the wait for a frame's due time,
+    and with it the recording.
+    """
+    return _kind(request.uri)(request, clock or Clock(), stop or threading.Event())
+
+
+def _kind(uri: str) -> type[Source]:
+    if uri == "scene":
+        return SceneSource
+    if uri.isdecimal() or uri.startswith("/dev/"):
+        return DeviceSource
+    if "://" in uri:
+        return NetworkSource
+    if Path(uri).is_dir():
+        return ImagesSource
+    return NpzSource if uri.endswith(".npz") else FileSource

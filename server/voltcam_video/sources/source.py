@@ -1,0 +1,68 @@
+"""What every source is."""
+
+import threading
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from typing import Literal, Self, TypedDict
+
+from voltcam_video.clock import Clock
+from voltcam_video.frame import Frame
+from voltcam_video.request import SourceRequest
+
+
+class SourceError(Exception):
+    """One line that names the source, what is wrong and the remedy."""
+
+
+class Granted(TypedDict):
+    """What a source turned out to be; None is what it does not know.
+
+    frames: as announced; containers without an index estimate it from their duration.
+    clock: where the stamps come from. kernel: the driver's, of the moment of capture; arrival: when we got
+    the frame; recording: the recording's own.
+    """
+
+    kind: Literal["device", "file", "images", "npz", "network", "scene"]
+    live: bool
+    width: int
+    height: int
+    fps: float | None
+    pixel_format: str | None
+    frames: int | None
+    backend: str | None
+    clock: Literal["kernel", "arrival", "recording"]
+
+
+class Source(ABC):
+    """Frames one after the other; a context manager and an iterator.
+
+    live: comes from outside and may come back after an error, as a camera or stream does; reads never end,
+    they raise SourceError. A recording (and the scene) ends with None.
+    """
+
+    live: bool
+    granted: Granted
+
+    def __init__(self, request: SourceRequest, clock: Clock, stop: threading.Event) -> None:
+        """Opens it. `stop` ends a wait for the next frame's due time."""
+        self.request = request
+        self.clock = clock
+        self.stop = stop
+
+    @abstractmethod
+    def read(self) -> Frame | None:
+        """The next frame, None at the end. Raises SourceError."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Gives the device, file or connection back; again does no harm."""
+
+    def __iter__(self) -> Iterator[Frame]:
+        while (frame := self.read()) is not None:
+            yield frame
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

@@ -1,0 +1,45 @@
+"""`.csv` against the standard library's reader."""
+
+import csv
+from pathlib import Path
+
+import pytest
+
+from voltcam_client.formats import FormatError, open_writer, read
+
+
+def test_pythons_own_reader_reads_it(tmp_path: Path, make_events) -> None:
+    events = make_events(1000, start_us=1_700_000_000_000_000)
+    with open_writer(tmp_path / "a.csv", width=346, height=260) as writer:
+        writer.events(events)
+    with (tmp_path / "a.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert list(rows[0]) == ["t_us", "x", "y", "p"]
+    assert [tuple(map(int, row.values())) for row in rows] == events.tolist()
+
+
+def test_a_spreadsheets_line_ends_and_blanks_are_read(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_bytes(b"t_us,x,y,p\r\n5, 1, 2, 1\r\n6,1,2,0")
+    assert read(tmp_path / "a.csv").events.tolist() == [(5, 1, 2, True), (6, 1, 2, False)]
+
+
+@pytest.mark.parametrize("text", ["", "5,1,2,1\n", "x,y,p,t\n1,2,1,5\n"])
+def test_another_header_is_named(text: str, tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text(text)
+    with pytest.raises(FormatError, match=r"a\.csv, line 1: the header must be 't_us,x,y,p'"):
+        read(tmp_path / "a.csv")
+
+
+@pytest.mark.parametrize(
+    "bad", ["7,1,2", "7;1;2;1", "0.5,1,2,1", "7,1,2,true", f"{10**30},1,2,1", "7,1,2,1,", ",,,"]
+)
+def test_the_line_that_is_no_event_is_named(bad: str, tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text(f"t_us,x,y,p\n5,1,2,1\n{bad}\n8,1,2,1\n")
+    with pytest.raises(FormatError, match=r"a\.csv, line 3: .*correct the line or take it out"):
+        read(tmp_path / "a.csv")
+
+
+def test_times_that_go_back_are_named(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("t_us,x,y,p\n5,1,2,1\n4,1,2,1\n")
+    with pytest.raises(FormatError, match=r"event 1 \(t=4 x=1 y=2\): t goes back"):
+        read(tmp_path / "a.csv")
