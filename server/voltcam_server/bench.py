@@ -1,0 +1,230 @@
+"""`voltcam bench`: frames in memory to time-sorted packed events, beside the machine's own limits.
+
+Every figure is CPU time of one thread unless it says otherwise: median over repeats, with the least and most.
+"""
+
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from tqdm import tqdm
+
+from voltcam_simulator import Camera, Law, Parameters, Simulator
+
+from .bench_scene import moving, noisy
+
+Frames = NDArray[np.uint8]
+REPEATS = 5
+SIZES = {"346x260": (346, 260, 60), "1280x720": (1280, 720, 12)}  # width, height, frames
+
+
+@dataclass
+class Figure:
+    """One line of the table: a median, its spread, what it is measured in, and what to hold it against."""
+
+    name: str
+    median: float
+    least: float
+    most: float
+    unit: str
+    remark: str = ""
+
+    @classmethod
+    def of(cls, name: str, values: list[float], unit: str, remark: str = "") -> "Figure":
+        return cls(name, statistics.median(values), min(values), max(values), unit, remark)
+
+    def __str__(self) -> str:
+        figures = f"{self.median:10.4g}   {self.least:9.4g} to {self.most:<9.4g}"
+        return f"{self.name:<46}{figures} {self.unit:<14} {self.remark}".rstrip()
+
+
+def configure(parser: ArgumentParser) -> None:
+    """The command line of `voltcam bench`."""
+    parser.add_argument("--json", action="store_true", help="print the figures as JSON")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: Namespace) -> int:
+    """Measure everything and print it; the bar goes to standard error."""
+    figures = []
+    steps = list(plan())
+    for name, measure in tqdm(steps, desc="voltcam bench", disable=not sys.stderr.isatty()):
+        found = measure()
+        figures += found
+        if not arguments.json:
+            tqdm.write("\n".join(map(str, found)) if found else name)
+    if arguments.json:
+        print(json.dumps([asdict(figure) for figure in figures], indent=1))
+    return 0
+
+
+def plan() -> Iterator[tuple[str, Callable[[], list[Figure]]]]:
+    """What is measured, in order."""
+    base = Parameters.of("paper")
+    camera = Parameters.of("davis346")
+    yield "machine", machine
+    for size, (width, height, count) in SIZES.items():
+        scene = moving(count, width, height)
+        still = np.repeat(scene[:1], count, axis=0)
+        webcam = noisy(count, width, height)
+        yield size, lambda s=scene, n=size: speed(f"{n} moving, base model, exact law", s, 240, base)
+        yield size, lambda s=still, n=size: speed(f"{n} static, base model, exact law", s, 30, base)
+        yield size, lambda s=webcam, n=size: speed(f"{n} noise of 2 DN, base model, exact law", s, 30, base)
+        yield size, lambda s=scene, n=size: speed(f"{n} moving, davis346, all its effects", s, 240, camera)
+        yield size, lambda s=scene, n=size: speed(f"{n} moving, base model, paper law", s, 240, base, "paper")
+        yield size, lambda s=scene, n=size: two_threads(f"{n} two threads over one, wall time", s, base)
+    width, height, count = SIZES["346x260"]
+    scene = moving(count, width, height)
+    yield "paper law in numpy", lambda: numpy_paper_law(scene[:6])
+    yield "cost per event", lambda: cost_per_event(scene, base)
+    yield "memory", lambda: memory(base)
+    yield "start", start
+
+
+def machine() -> list[Figure]:
+    """The limits: how fast memory is copied, and how fast 64-bit numbers are sorted."""
+    source = np.ones(64 * 2**20, np.uint8)
+    target = np.empty_like(source)
+    copies = repeated(lambda: np.copyto(target, source))
+    keys = np.random.default_rng(1).integers(0, 2**62, 100_000).astype(np.uint64)
+    sorts = repeated(lambda: np.sort(keys))
+    return [
+        Figure.of("limit: memory copy", [source.size / s / 1e9 for s in copies], "GB/s"),
+        Figure.of("limit: sort of 64-bit numbers", [s / keys.size * 1e9 for s in sorts], "ns/event"),
+    ]
+
+
+def speed(name: str, frames: Frames, fps: float, parameters: Parameters, law: Law = "exact") -> list[Figure]:
+    """Million pixels a CPU second, and the events that made."""
+    seconds, events = timed(frames, fps, parameters, law)
+    pixels = frames[1:].size
+    remark = f"{events / pixels:.3f} events/pixel"
+    return [Figure.of(name, [pixels / s / 1e6 for s in seconds], "Mpx/s", remark)]
+
+
+def timed(
+    frames: Frames, fps: float, parameters: Parameters, law: Law = "exact", threads: int = 1,
+    clock: Callable[[], float] = time.process_time,
+) -> tuple[list[float], float]:  # fmt: skip
+    """(seconds of each repeat over frames[1:], events of one); the first, which warms up, is left out."""
+    height, width = frames[0].shape
+    simulator = Simulator(width, height, parameters, law, seed=1, threads=threads)
+    period_us, t_us = round(1e6 / fps), 0
+    seconds, events = [], 0
+    for _ in range(REPEATS + 1):
+        simulator.jump(frames[0], t_us)
+        begin, events = clock(), 0
+        for frame in frames[1:]:
+            t_us += period_us
+            events += len(simulator.advance(frame, t_us))
+        seconds.append(clock() - begin)
+        t_us += period_us
+    return seconds[1:], events
+
+
+def two_threads(name: str, frames: Frames, parameters: Parameters) -> list[Figure]:
+    """Wall time of one thread over that of two."""
+    one, _ = timed(frames, 240, parameters, clock=time.perf_counter)
+    two, _ = timed(frames, 240, parameters, threads=2, clock=time.perf_counter)
+    return [
+        Figure.of(name, [a / b for a, b in zip(one, two, strict=True)], "times", f"{os.cpu_count()} cores")
+    ]
+
+
+def cost_per_event(frames: Frames, parameters: Parameters) -> list[Figure]:
+    """Time that one more event costs, sort and packing included: from the same scene with thresholds doubled."""
+    many, more = timed(frames, 240, parameters)
+    few, less = timed(frames, 240, parameters.changed({"comparator": {"theta_on": 2, "theta_off": 2}}))
+    costs = [(a - b) / (more - less) * 1e9 for a, b in zip(sorted(many), sorted(few), strict=True)]
+    return [Figure.of("cost of an event, sorted and packed", costs, "ns")]
+
+
+def numpy_paper_law(frames: Frames) -> list[Figure]:
+    """The paper's Algorithm 1 for whole planes in plain numpy, one pass over each frame, events not even sorted."""
+    rng = np.random.default_rng(1)
+    k = Parameters.of("paper")
+
+    def frame_pair(
+        first: NDArray[np.float64], last: NDArray[np.float64], residual: NDArray[np.float64]
+    ) -> None:
+        span = 1e6 / 240
+        level, k2 = 0.5 * (first + last), k.contrast_response.k2_dn
+        mu = k.contrast_response.k1 * (last - first) / span / (level + k2)
+        mu += k.junction_leak.k4_per_us + k.parasitic_photocurrent.k5_per_dn_us * level
+        sigma = k.photon_noise.k3 * np.sqrt(level) / (level + k2) + k.leak_noise.k6
+        distance = np.where(mu > 0, 1 - residual, 1 + residual)
+        mean, shape = distance / np.abs(mu), (distance / sigma) ** 2
+        tau = rng.wald(mean, shape)
+        fired = tau < span
+        residual[:] = np.where(fired, 0, residual + np.sign(mu) * distance * span / tau)
+
+    planes = frames.astype(np.float64)
+    residual = np.zeros_like(planes[0])
+
+    def all_frames() -> None:
+        for first, last in zip(planes, planes[1:], strict=False):
+            frame_pair(first, last, residual)
+
+    seconds = repeated(all_frames)
+    pixels = frames[1:].size
+    name = "346x260 moving, paper law in plain numpy"
+    return [
+        Figure.of(name, [pixels / s / 1e6 for s in seconds], "Mpx/s", "one event a pixel and frame at most")
+    ]
+
+
+def memory(parameters: Parameters) -> list[Figure]:
+    """Bytes of state for each pixel, and what a thousand frames add to it."""
+    frames = moving(40, 346, 260)
+    simulator = Simulator(346, 260, parameters, seed=1)
+    sizes = []
+    for i in range(1000):
+        simulator.advance(frames[i % 40], (i + 1) * 4000)
+        sizes.append(simulator.state_bytes)
+    per_pixel = simulator.state_bytes / frames[0].size
+    return [
+        Figure.of("state, 346x260, base model", [per_pixel], "bytes/pixel"),
+        Figure.of("growth of the state from frame 500 to 1000", [float(sizes[-1] - sizes[499])], "bytes"),
+    ]
+
+
+def start() -> list[Figure]:
+    """From process start to the first events, with the compiled kernels on disk and without."""
+    program = (
+        "import numpy as np; from voltcam_simulator import Parameters, Simulator\n"
+        "s = Simulator(346, 260, Parameters.of('paper'))\n"
+        "s.advance(np.zeros((260, 346), np.uint8), 0)\n"
+        "assert len(s.advance(np.full((260, 346), 255, np.uint8), 10000))"
+    )
+    figures = []
+    with tempfile.TemporaryDirectory() as folder:
+        for name, repeats in (("cold", 1), ("warm", 3)):
+            command = [sys.executable, "-c", program]
+            environment = os.environ | {"XDG_CACHE_HOME": folder}
+            seconds = repeated(lambda: subprocess.run(command, check=True, env=environment), repeats)  # noqa: B023
+            figures.append(Figure.of(f"process start to first events, {name} compile cache", seconds, "s"))
+    return figures
+
+
+def repeated(action: Callable[[], object], repeats: int = REPEATS) -> list[float]:
+    """Wall seconds of each run."""
+    seconds = []
+    for _ in range(repeats):
+        begin = time.perf_counter()
+        action()
+        seconds.append(time.perf_counter() - begin)
+    return seconds
+
+
+def camera_named(name: str) -> Camera:
+    """The camera of that name."""
+    return Camera.load(name)

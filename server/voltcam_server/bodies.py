@@ -1,0 +1,51 @@
+"""JSON bodies, read strictly, and refusals in one line."""
+
+import json
+from typing import Any, NoReturn, TypeVar
+
+from pydantic import BaseModel, ValidationError
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+
+from .problems import explain
+
+BODY_BYTES = 65536
+Model = TypeVar("Model", bound=BaseModel)
+
+
+async def read_object(request: Request) -> dict[str, Any]:
+    """The body as a JSON object. Raises HTTPException 413 for more than BODY_BYTES, 400 for anything else."""
+    body = b""
+    async for chunk in request.stream():
+        body += chunk
+        if len(body) > BODY_BYTES:
+            raise HTTPException(413, f"the body is longer than {BODY_BYTES} bytes: send less at once")
+    try:
+        content = json.loads(body, parse_constant=_no_number)
+    except (ValueError, RecursionError) as error:
+        raise HTTPException(400, f"the body is not JSON: {error}") from None
+    if not isinstance(content, dict):
+        raise HTTPException(400, 'the body must be a JSON object, such as {"comparator": {"theta_on": 1.2}}')
+    return content
+
+
+async def read_model(request: Request, model: type[Model]) -> Model:
+    """The body as a model. Raises HTTPException, 422 for unknown keys and wrong values."""
+    try:
+        return model.model_validate(await read_object(request))
+    except ValidationError as error:
+        raise refusal(error, model) from None
+
+
+def refusal(error: ValidationError, model: type[BaseModel]) -> HTTPException:
+    return HTTPException(422, explain(error, model))
+
+
+def body_of(model: type[BaseModel]) -> dict[str, Any]:
+    """What OpenAPI says of a body that is read here."""
+    schema = model.model_json_schema()
+    return {"requestBody": {"required": True, "content": {"application/json": {"schema": schema}}}}
+
+
+def _no_number(name: str) -> NoReturn:
+    raise ValueError(f"{name} is no number in JSON: give a finite one")

@@ -1,0 +1,80 @@
+"""The capture thread: from a source into the mailbox."""
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+from voltcam_video import SourceError, SourceRequest, SourceState, watch
+
+from .mailbox import Arrival, Mailbox
+from .problems import one_line
+
+
+class Capture:
+    """One source, watched until it ends or `stop`.
+
+    Its frames go nowhere before `go`, so that a new source is known to work before the former one is let go.
+    """
+
+    def __init__(self, request: SourceRequest, mailbox: Mailbox, on_state: Callable[[], None]) -> None:
+        self.request = request
+        self.state = SourceState("opening")
+        self._mailbox = mailbox
+        self._on_state = on_state
+        self._stop, self._go, self._decided = threading.Event(), threading.Event(), threading.Event()
+        self._opened = False
+        self._thread = threading.Thread(target=self._run, name="voltcam-capture")
+
+    def start(self) -> None:
+        """Open the source; again does no harm."""
+        if self._thread.ident is None:
+            self._thread.start()
+
+    def wait_open(self) -> None:
+        """Wait for the first frame. Raises SourceError when there will be none."""
+        self._decided.wait()
+        if not self._opened:
+            raise SourceError(self.state.message or f"{self.request.shown}: holds no frame")
+
+    def go(self) -> None:
+        """Let the frames through."""
+        self._go.set()
+
+    def stop(self) -> None:
+        """Let the source go."""
+        self._stop.set()
+        self._go.set()
+        self._mailbox.wake()
+        if self._thread.ident is not None:
+            self._thread.join()
+
+    def _run(self) -> None:
+        try:
+            for frame in watch(self.request, self._stop, self._set_state):
+                at_s = time.monotonic()
+                first = not self._opened
+                self._opened = True
+                self._decided.set()
+                self._go.wait()
+                arrival = Arrival(frame, self.request.fit, at_s, cut=frame.cut or first, paced=self._paced)
+                self._mailbox.put(arrival, self._stop)
+        except Exception as error:  # a source that fails is said in the status, and does not end the daemon
+            name = "" if isinstance(error, SourceError) else f"{self.request.shown}: "
+            self._set_state(replace(self.state, state="ended", message=name + one_line(error)))
+        finally:
+            self._decided.set()
+
+    def has_device(self, uri: str) -> bool:
+        """Whether this is that camera, running: it cannot be opened a second time."""
+        state = self.state
+        is_device = state.granted is not None and state.granted.get("kind") == "device"
+        return uri == self.request.uri and state.state == "running" and is_device
+
+    @property
+    def _paced(self) -> bool:
+        return self.request.pace == "realtime" or bool(self.state.granted and self.state.granted["live"])
+
+    def _set_state(self, state: SourceState) -> None:
+        self.state = state
+        self._on_state()

@@ -1,0 +1,189 @@
+"""The commands of the server, `voltcam serve`, `convert` and `schema`: arguments, and words for the user."""
+
+import argparse
+import json
+import logging
+import sys
+from pathlib import Path
+from typing import Any, get_args
+
+from voltcam_client.formats import SUFFIXES
+from voltcam_simulator import Law, camera_names
+from voltcam_simulator.parameters import merged
+from voltcam_video import Fit
+
+from .settings import EncodingName, load, parse_change
+from .settings import schema as config_schema
+
+CAMERA_HELP = f"{', '.join(camera_names())}, or a camera file (.yaml)"
+SOURCE_FIELDS = ("fit", "width", "height", "fps", "pixel_format")
+
+
+def serve(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `voltcam serve`."""
+    parser.description = (
+        "Run the camera: live video in, events out over ZeroMQ and WebSocket, a page to watch."
+    )
+    parser.epilog = """\
+All but --record can also be in the config file and in the environment (VOLTCAM_LAW, VOLTCAM_SOURCE__URI,
+VOLTCAM_PARAMETERS__COMPARATOR__THETA_ON); the command line comes first, then the environment, then the
+file. `voltcam schema` describes the file for editors.
+
+examples:
+  voltcam serve                                     the built-in moving scene
+  voltcam serve --source 0 --width 640 --height 480 --pixel-format MJPG
+  voltcam serve --source street.mp4 --loop --set comparator.theta_on=1.2 --set temperature_c=40
+  voltcam serve --source rtsp://robot.local/front --config robot.yaml"""
+    parser.add_argument("--config", metavar="FILE", type=Path, help="a YAML file with settings")
+    _add_camera(parser)
+    source = parser.add_argument_group("source")
+    source.add_argument(
+        "--source",
+        metavar="URI",
+        help="scene (built in), a camera (0 or /dev/video0), a video file, a folder with images.txt, "
+        "an .npz, or a stream (rtsp://, http://, udp://)",
+    )
+    source.add_argument("--loop", action="store_true", default=None, help="play a recording again and again")
+    source.add_argument(
+        "--fast", action="store_true", default=None, help="play a recording as fast as the simulation goes"
+    )
+    _add_fit(source)
+    source.add_argument("--width", metavar="PIXELS", help="asked of a camera or the scene")
+    source.add_argument("--height", metavar="PIXELS", help="asked of a camera or the scene")
+    source.add_argument("--fps", metavar="N", help="frames per second, asked of a camera or the scene")
+    source.add_argument("--pixel-format", metavar="FOURCC", help="asked of a camera: MJPG, YUYV, GREY...")
+    out = parser.add_argument_group("output")
+    out.add_argument("--http", metavar="HOST:PORT", help="page, REST and WebSocket (default: 127.0.0.1:8560)")
+    out.add_argument("--zmq", metavar="ENDPOINT", help="ZeroMQ (default: tcp://127.0.0.1:5560)")
+    out.add_argument("--encoding", choices=get_args(EncodingName), help="of event packets (default: libcaer)")
+    out.add_argument(
+        "--burst",
+        action="store_true",
+        default=None,
+        help="send the events of a frame interval at once, not at their own pace over the next one",
+    )
+    out.add_argument("--record", metavar="FILE", help="record events and frames from the start")
+    parser.set_defaults(run=_serve)
+
+
+def convert(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `voltcam convert`."""
+    formats = "\n".join(f"  {suffix:<6} {description}" for suffix, description in SUFFIXES.items())
+    parser.description = "Turn frames into an event file: as fast as possible, no frame left out."
+    parser.epilog = f"""\
+INPUT is a video, a folder with images.txt (the Event Camera Dataset's layout), an .npz with frames and t_us,
+or a camera or stream with --seconds. A recording without frames is copied into the other format.
+
+formats, by the suffix of OUTPUT:
+{formats}
+
+examples:
+  voltcam convert street.mp4 street.npz
+  voltcam convert slider_depth slider.txt --camera davis240c --seed 1 --set temperature_c=40
+  voltcam convert rtsp://robot.local/front run.raw --seconds 60
+
+What was written is kept, and reads as it is, after an error or Ctrl-C."""
+    parser.add_argument("input", metavar="INPUT", help="what to read")
+    parser.add_argument("output", metavar="OUTPUT", type=Path, help="the file to write")
+    _add_camera(parser)
+    _add_fit(parser)
+    parser.add_argument("--seconds", metavar="N", type=float, help="end after N seconds of the input's time")
+    parser.add_argument("--overwrite", action="store_true", help="replace OUTPUT if it exists")
+    parser.set_defaults(run=_convert)
+
+
+def schema(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `voltcam schema`."""
+    parser.epilog = """\
+example:
+  voltcam schema > voltcam.schema.json
+  and as the first line of the config file:  # yaml-language-server: $schema=voltcam.schema.json"""
+    parser.set_defaults(run=_schema)
+
+
+def _add_camera(parser: argparse.ArgumentParser) -> None:
+    camera = parser.add_argument_group("camera")
+    camera.add_argument("--camera", metavar="NAME", help=f"{CAMERA_HELP} (default: davis346)")
+    camera.add_argument("--law", choices=get_args(Law), help="when a pixel fires (default: exact)")
+    camera.add_argument(
+        "--seed", metavar="N", help="the same seed and frames give the same events (default: 0)"
+    )
+    camera.add_argument(
+        "--set",
+        metavar="EFFECT.NAME=VALUE",
+        action="append",
+        default=[],
+        help="change a parameter, such as comparator.theta_on=1.2; may be given again",
+    )
+
+
+def _add_fit(parser: Any) -> None:
+    parser.add_argument(
+        "--fit",
+        choices=get_args(Fit),
+        help="frames of other proportions: edges cut off, black bars, or out of proportion (default: crop)",
+    )
+
+
+def _serve(args: argparse.Namespace) -> int:
+    from .daemon import serve as run
+
+    logging.basicConfig(format="voltcam: %(message)s", level=logging.WARNING)
+
+    settings = load(_given(args), args.config)
+    print(f"voltcam: {settings.camera} looking at {settings.source.shown} ...", flush=True)
+
+    def banner(page: str, zmq: str) -> None:
+        print(f"  page    {page}")
+        print(f"  events  {zmq}  (to see them: voltcam listen {zmq})")
+        print("  Ctrl-C ends it", flush=True)
+
+    run(settings, args.record, banner)
+    return 0
+
+
+def _convert(args: argparse.Namespace) -> int:
+    from .convert import Conversion
+    from .convert import convert as run
+
+    settings = load(_given(args), environment={})
+    job = Conversion(
+        source=settings.source,
+        camera=settings.load_camera(),
+        output=args.output,
+        law=settings.law,
+        seed=settings.seed,
+        seconds=args.seconds,
+        overwrite=args.overwrite,
+    )
+    print(run(job))
+    return 0
+
+
+def _schema(_: argparse.Namespace) -> int:
+    json.dump(config_schema(), sys.stdout, indent=2)
+    print()
+    return 0
+
+
+def _given(args: argparse.Namespace) -> dict[str, Any]:
+    """What the command line says, in the config file's layout."""
+    given = {key: value for key, value in vars(args).items() if value is not None}
+    content: dict[str, Any] = {
+        key: given[key] for key in ("camera", "law", "seed", "http", "zmq", "encoding") if key in given
+    }
+    source = {key: given[key] for key in SOURCE_FIELDS if key in given}
+    for key in ("source", "input"):
+        if key in given:
+            source["uri"] = given[key]
+    if "loop" in given:
+        source["loop"] = True
+    if "fast" in given or "input" in given:
+        source["pace"] = "fast"
+    if source:
+        content["source"] = source
+    if "burst" in given:
+        content["packets"] = {"smooth": False}
+    for text in args.set:
+        content = merged(content, {"parameters": parse_change(text)})
+    return content

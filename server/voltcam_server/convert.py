@@ -1,0 +1,108 @@
+"""Frames to an event file: offline, as fast as possible, no frame left out."""
+
+import threading
+import time
+import zipfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from tqdm import tqdm
+
+from voltcam_client.formats import SUFFIXES, Recording, Writer, open_writer, read
+from voltcam_client.formats.npz import PARTIAL
+from voltcam_client.meter import short
+from voltcam_simulator import Camera, Law, Simulator
+from voltcam_video import Frame, Source, SourceError, SourceRequest, fit, open_source
+
+from .problems import UsageError, one_line
+from .signals import ended_by_signal
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """What is to be done. seconds: of the source's time, None for all of it."""
+
+    source: SourceRequest
+    camera: Camera
+    output: Path
+    law: Law = "exact"
+    seed: int = 0
+    seconds: float | None = None
+    overwrite: bool = False
+
+
+def convert(job: Conversion) -> str:
+    """Simulate the source's frames into the output, or copy a recording that has none; says what was done.
+
+    SIGINT and SIGTERM end it early, with the output finished. Raises UsageError when the source cannot be
+    read, FormatError and RecordingError as the output's writer does; what came before is in the output.
+    """
+    recording = _recording(Path(job.source.uri))
+    if recording is not None:
+        return _copy(recording, job)
+    stop = threading.Event()
+    try:
+        with ended_by_signal(stop.set), open_source(job.source, stop=stop) as source:
+            if job.seconds is None and (source.live or source.granted["kind"] == "scene"):
+                raise UsageError(f"{job.source.shown} does not end by itself: give --seconds")
+            return _simulate(source, job, stop)
+    except SourceError as error:
+        raise UsageError(one_line(error)) from None
+
+
+def _simulate(source: Source, job: Conversion, stop: threading.Event) -> str:
+    width, height = job.camera.width, job.camera.height
+    simulator = Simulator(width, height, job.camera.parameters, job.law, job.seed)
+    frames, began_s = 0, time.monotonic()
+    with open_writer(job.output, width=width, height=height, overwrite=job.overwrite) as writer:
+        try:
+            for frame in _progress(_until(source, job.seconds, stop), source, writer):
+                image = fit(frame.image, width, height, job.source.fit)
+                writer.events(simulator.advance(image, frame.t_us))
+                frames += 1
+        except (SourceError, ValueError) as error:
+            where = "" if isinstance(error, SourceError) else f"{job.source.shown}, frame {frames}: "
+            kept = f"the {writer.event_count} events before it are kept in {job.output}"
+            raise UsageError(f"{where}{one_line(error)}; {kept}") from None
+    took_s = time.monotonic() - began_s
+    return f"{job.output}: {writer.event_count} events from {frames} frames in {took_s:.1f} s"
+
+
+def _until(source: Source, seconds: float | None, stop: threading.Event) -> Iterator[Frame]:
+    first_us: int | None = None
+    while not stop.is_set() and (frame := source.read()) is not None:
+        first_us = frame.t_us if first_us is None else first_us
+        if seconds is not None and frame.t_us - first_us > seconds * 1e6:
+            return
+        yield frame
+
+
+def _progress(frames: Iterator[Frame], source: Source, writer: Writer) -> Iterator[Frame]:
+    """The same frames; on a terminal, under a progress bar."""
+    total = source.granted.get("frames")
+    with tqdm(frames, total=total, unit=" frames", disable=None, leave=False) as bar:
+        for frame in bar:
+            yield frame
+            bar.set_postfix_str(f"{short(writer.event_count)} events", refresh=False)
+
+
+def _recording(path: Path) -> Recording | None:
+    """The recording at `path` when it has no frames to simulate, or is an unfinished one."""
+    if path.is_dir():
+        only_events = (path / "events.txt").exists() and not (path / "images.txt").exists()
+        return read(path) if only_events or path.suffix == PARTIAL else None
+    if path.suffix == ".npz" and zipfile.is_zipfile(path):
+        with zipfile.ZipFile(path) as archive:
+            return None if "frames.npy" in archive.namelist() else read(path)
+    return read(path) if path.is_file() and path.suffix in SUFFIXES and path.suffix != ".npz" else None
+
+
+def _copy(recording: Recording, job: Conversion) -> str:
+    width, height = max(1, recording.width), max(1, recording.height)
+    with open_writer(job.output, width=width, height=height, overwrite=job.overwrite) as writer:
+        writer.events(recording.events)
+        if recording.frames is not None and recording.frame_t_us is not None:
+            for image, t_us in zip(recording.frames, recording.frame_t_us.tolist(), strict=True):
+                writer.frame(image, t_us)
+    return f"{job.output}: {writer.event_count} events copied from {job.source.uri}, nothing simulated"

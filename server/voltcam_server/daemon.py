@@ -1,0 +1,135 @@
+"""The daemon put together: emulator, transports and web server, from the settings to the last packet."""
+
+import contextlib
+import logging
+import socket
+from collections.abc import Callable, Iterator
+
+import uvicorn
+from fastapi import FastAPI
+
+from voltcam_simulator import Camera
+from voltcam_video import SourceError
+
+from .api import CameraAnswer, check_encoding, create_app
+from .emulator import Emulator
+from .problems import UsageError, one_line, where
+from .settings import Settings
+from .signals import ended_by_signal
+from .transports import WebSocketTransport, ZeroMQTransport
+
+GRACE_S = 1  # for HTTP requests under way when the daemon ends
+
+
+class _Server(uvicorn.Server):
+    """uvicorn, which otherwise takes the signals and raises them again at its end."""
+
+    @contextlib.contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        yield
+
+
+def serve(settings: Settings, record: str | None, on_ready: Callable[[str, str], None]) -> None:
+    """Run until SIGINT or SIGTERM. `on_ready` gets the page's address and the ZeroMQ endpoint.
+
+    Raises UsageError for settings that cannot be, a port in use, a source that cannot be opened;
+    RecordingError and FormatError for a recording that cannot be made.
+    """
+    camera = settings.load_camera()
+    check_encoding(settings.encoding, camera.width, camera.height)
+    with contextlib.ExitStack() as stack:
+        listener = stack.enter_context(_listen(settings.http))
+        page = _url(listener)
+        zeromq = ZeroMQTransport(settings.zmq, settings.encoding)
+        stack.callback(zeromq.stop)
+        websockets = WebSocketTransport(page)
+        stack.callback(websockets.stop)
+        emulator = Emulator(
+            camera,
+            settings.source,
+            law=settings.law,
+            seed=settings.seed,
+            packets=settings.packets,
+            transports=[zeromq, websockets],
+            on_failure=lambda: setattr(server, "should_exit", True),
+        )
+        stack.callback(emulator.stop)
+        server = _web_server(create_app(emulator, websockets, _about(camera, settings, zeromq)))
+        stack.enter_context(ended_by_signal(lambda: _end(server)))
+        try:
+            emulator.start()
+        except SourceError as error:
+            raise UsageError(one_line(error)) from None
+        zeromq.start()
+        websockets.start()
+        if record:
+            emulator.record(record)
+        on_ready(page, zeromq.endpoint)
+        server.run(sockets=[listener])
+        if emulator.failure is not None:
+            raise UsageError(f"the daemon failed: {where(emulator.failure)}: please report it")
+
+
+def _about(camera: Camera, settings: Settings, zeromq: ZeroMQTransport) -> CameraAnswer:
+    return CameraAnswer(
+        name=camera.name,
+        width=camera.width,
+        height=camera.height,
+        law=settings.law,
+        seed=settings.seed,
+        encoding=settings.encoding,
+        zmq=zeromq.endpoint,
+        parameters=camera.parameters,
+    )
+
+
+def _web_server(app: FastAPI) -> uvicorn.Server:
+    config = uvicorn.Config(
+        app,
+        log_level="warning",
+        access_log=False,
+        ws_per_message_deflate=False,
+        timeout_graceful_shutdown=GRACE_S,
+        lifespan="off",
+    )
+    # A client that does not read cannot be told of the end: that is no error of anyone's.
+    logging.getLogger("uvicorn.error").addFilter(
+        lambda record: "graceful shutdown" not in record.getMessage()
+    )
+    return _Server(config)
+
+
+def _end(server: uvicorn.Server) -> None:
+    server.should_exit = True
+    if not server.started:  # still waiting for the source
+        raise KeyboardInterrupt
+
+
+def _listen(address: str) -> socket.socket:
+    """A listening socket. Raises UsageError."""
+    host, _, port = address.rpartition(":")
+    if int(port) > 65535:  # which getaddrinfo would take modulo 65536
+        raise UsageError(f"{address}: no port is above 65535: give --http HOST:PORT")
+    try:
+        family, kind, proto, _, sockaddr = socket.getaddrinfo(
+            host.strip("[]"), int(port), type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        )[0]
+        listener = socket.socket(family, kind, proto)
+    except (OSError, OverflowError) as error:
+        raise UsageError(f"{address}: {getattr(error, 'strerror', error)}: give --http HOST:PORT") from None
+    try:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind(sockaddr)
+        listener.listen(128)
+    except (OSError, OverflowError) as error:
+        listener.close()
+        reason = getattr(error, "strerror", None) or error
+        raise UsageError(
+            f"{address}: {reason}: end the program that has the port, or choose another with --http"
+        ) from None
+    return listener
+
+
+def _url(listener: socket.socket) -> str:
+    host, port = listener.getsockname()[:2]
+    return f"http://[{host}]:{port}/" if listener.family == socket.AF_INET6 else f"http://{host}:{port}/"

@@ -1,0 +1,246 @@
+"""The loop: source -> mailbox -> simulation -> pacer -> transports, each in a thread of its own.
+
+capture     frames from the source; the mailbox keeps the newest
+simulation  frame -> interval of events
+pacer       interval -> packets, when they are due
+transports  one thread each: packets -> bytes -> subscribers
+status      once a second, and when the source's state changes
+"""
+
+import threading
+import time
+from collections.abc import Callable, Sequence
+
+from voltcam_client.packet import FrameMessage, Packet
+from voltcam_simulator import Camera, Law
+from voltcam_video import SourceError, SourceRequest
+
+from .capture import Capture
+from .mailbox import Mailbox
+from .messages import Message, events_message, frame_message, status_message
+from .pacer import Pacer, Slice
+from .problems import UsageError
+from .recorder import Recorder, RecordingStatus
+from .settings import PacketSettings
+from .simulation import Interval, Simulation
+from .status import FrameCounts, Latency, Meter, SourceStatus, Status
+from .transports import Transport
+
+STATUS_PERIOD_S = 1.0
+
+
+class Emulator:
+    """An event camera looking at a source, with transports attached: `start` it, then `stop` it, once.
+
+    on_failure is called when one of its threads ends by an error of ours; `failure` then holds it.
+    """
+
+    def __init__(
+        self,
+        camera: Camera,
+        source: SourceRequest,
+        *,
+        law: Law = "exact",
+        seed: int = 0,
+        packets: PacketSettings | None = None,
+        transports: Sequence[Transport] = (),
+        on_failure: Callable[[], None] = lambda: None,
+    ) -> None:
+        self.camera = camera
+        self.simulation = Simulation(camera, law, seed)
+        self.failure: Exception | None = None
+        self._transports = transports
+        self._on_failure = on_failure
+        self._mailbox = Mailbox()
+        self._pacer = Pacer(packets or PacketSettings(), self._send_events, self._end_interval)
+        self._capture = Capture(source, self._mailbox, self._wake_status)
+        self._opening: Capture | None = None
+        self._control = threading.Lock()  # one change of source or recording at a time
+        self._recorder: Recorder | None = None
+        self._arrived, self._events, self._packets = Meter(), Meter(), Meter()
+        self._frame_seq = 0
+        self._latency = Latency(simulated_ms=0, sent_ms=0)
+        self._started_s = time.monotonic()
+        self._stopping = False
+        self._news = threading.Event()
+        self._threads = [
+            threading.Thread(target=self._guarded, args=(run,), name=f"voltcam-{name}")
+            for name, run in (
+                ("simulation", self._simulate),
+                ("pacer", self._pacer.run),
+                ("status", self._report),
+            )
+        ]
+
+    def start(self) -> None:
+        """Open the source, and go. Raises SourceError; `stop` is due in any case."""
+        self._capture.start()
+        self._capture.wait_open()
+        for thread in self._threads:
+            thread.start()
+        self._capture.go()
+
+    def stop(self) -> None:
+        """End all threads, and finish a recording."""
+        self._stopping = True
+        if self._opening:  # a source that takes its time is not waited for
+            self._opening.stop()
+        with self._control:
+            self._capture.stop()
+            self._mailbox.close()
+            self._pacer.stop()
+            self._news.set()
+            for thread in self._threads:
+                if thread.ident is not None:
+                    thread.join()
+            if self._recorder:
+                self._recorder.close()
+
+    @property
+    def ready(self) -> bool:
+        """Whether the first frame has been simulated."""
+        return self.simulation.simulated > 0
+
+    @property
+    def source(self) -> SourceStatus:
+        """What the camera looks at, and how that is going."""
+        state, request = self._capture.state, self._capture.request
+        return SourceStatus(
+            uri=request.shown,
+            request=request.model_copy(update={"uri": request.shown}),
+            state=state.state,
+            message=state.message or self.simulation.fault,
+            granted=dict(state.granted) if state.granted else None,
+            fps=self._arrived.status.per_s,
+        )
+
+    def look_at(self, request: SourceRequest) -> None:
+        """Change the source. Raises SourceError when the new one cannot be opened: the old one goes on."""
+        with self._control:
+            former = self._capture
+            exclusive = former.has_device(request.uri)
+            if exclusive:
+                former.stop()
+            new = self._opening = Capture(request, self._mailbox, self._wake_status)
+            new.start()
+            try:
+                new.wait_open()
+            except SourceError:
+                new.stop()
+                if exclusive:
+                    self._use(Capture(former.request, self._mailbox, self._wake_status))
+                raise
+            finally:
+                self._opening = None
+            former.stop()
+            self._use(new)
+
+    def _use(self, capture: Capture) -> None:
+        self._capture = capture
+        capture.start()
+        capture.go()
+
+    def record(self, path: str) -> RecordingStatus:
+        """Begin a recording. Raises FormatError, RecordingError, or UsageError when there is one already."""
+        with self._control:
+            if self._recorder and self._recorder.status.recording:
+                raise UsageError(f"{self._recorder.status.path} is being recorded: end that recording first")
+            if self._recorder:
+                self._recorder.close()
+            self._recorder = Recorder(path, self.camera.width, self.camera.height)
+            return self._recorder.status
+
+    def end_recording(self) -> RecordingStatus:
+        """Finish the recording. Raises UsageError when there is none."""
+        with self._control:
+            recorder, self._recorder = self._recorder, None
+        if recorder is None:
+            raise UsageError("nothing is being recorded: begin with POST /api/v1/recording")
+        recorder.close()
+        return recorder.status
+
+    @property
+    def status(self) -> Status:
+        simulation, mailbox, recorder = self.simulation, self._mailbox, self._recorder
+        return Status(
+            source=self.source,
+            frames=FrameCounts(
+                received=mailbox.received,
+                simulated=simulation.simulated,
+                dropped=mailbox.dropped,
+                out_of_order=simulation.out_of_order,
+                unusable=simulation.unusable,
+            ),
+            events=self._events.status,
+            packets=self._packets.status,
+            latency=self._latency,
+            parameters_version=simulation.parameters[1],
+            uptime_s=round(time.monotonic() - self._started_s, 3),
+            transports={transport.name: transport.status for transport in self._transports},
+            recording=recorder.status if recorder else None,
+        )
+
+    def _simulate(self) -> None:
+        while (arrival := self._mailbox.take()) is not None:
+            interval = self.simulation.step(arrival)
+            if interval is not None:
+                self._pacer.put(interval)
+
+    def _send_events(self, interval: Interval, piece: Slice) -> None:
+        packet = Packet(
+            events=piece.events,
+            width=self.camera.width,
+            height=self.camera.height,
+            seq=self._packets.total,
+            time_base_ns=1000 * piece.start_us,
+            stamp_ns=time.time_ns(),
+            frame_id=self.camera.name,
+            parameters_version=interval.parameters_version,
+            dropped=self._mailbox.dropped,
+        )
+        self._publish(events_message(packet))
+        self._packets.total += 1
+        self._events.total += piece.events.size
+
+    def _end_interval(self, interval: Interval) -> None:
+        """All its events have left: now its frame, so that both arrive in the order of their times."""
+        frame = FrameMessage(
+            image=interval.image_u8,
+            seq=self._frame_seq,
+            t_us=interval.end_us,
+            stamp_ns=time.time_ns(),
+            frame_id=self.camera.name,
+            parameters_version=interval.parameters_version,
+        )
+        self._publish(frame_message(frame))
+        self._frame_seq += 1
+        recorder = self._recorder
+        if recorder:
+            recorder.put(interval)
+        self._latency = Latency(
+            simulated_ms=round(1000 * (interval.ready_s - interval.arrived_s), 3),
+            sent_ms=round(1000 * (time.monotonic() - interval.arrived_s), 3),
+        )
+
+    def _report(self) -> None:
+        while not self._stopping:
+            self._arrived.total = self._mailbox.received
+            for meter in (self._arrived, self._events, self._packets):
+                meter.tick()
+            self._publish(status_message(self.status.model_dump()))
+            self._news.wait(STATUS_PERIOD_S)
+            self._news.clear()
+
+    def _publish(self, message: Message) -> None:
+        for transport in self._transports:
+            transport.publish(message)
+
+    def _wake_status(self) -> None:
+        self._news.set()
+
+    def _guarded(self, run: Callable[[], None]) -> None:
+        try:
+            run()
+        except Exception as error:
+            self.failure = error
+            self._on_failure()

@@ -1,0 +1,60 @@
+"""What a person is told about input that is wrong: one line that names the key and the remedy."""
+
+import traceback
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+SHOWN = 60  # characters of a wrong value
+
+
+class UsageError(ValueError):
+    """One line for the user: what is wrong, and the remedy."""
+
+
+KeyPath = tuple[str | int, ...]
+
+
+def faults(error: ValidationError, model: type[BaseModel]) -> Iterator[tuple[KeyPath, str]]:
+    """Each key that is wrong, and why: "comparator.theta_on: Input should be greater than 0, not -1"."""
+    for fault in error.errors():
+        yield fault["loc"], _one(fault, model)
+
+
+def explain(error: ValidationError, model: type[BaseModel]) -> str:
+    """All faults on one line."""
+    return "; ".join(text for _, text in faults(error, model))
+
+
+def dotted(path: Sequence[str | int]) -> str:
+    return ".".join(str(part) for part in path)
+
+
+def one_line(text: object) -> str:
+    return " ".join(str(text).split())
+
+
+def where(error: BaseException) -> str:
+    """An error of ours, and the line of code it comes from, for a report."""
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    return f"{one_line(repr(error))} in {place.filename}, line {place.lineno}"
+
+
+def _one(fault: Any, model: type[BaseModel]) -> str:
+    *above, key = fault["loc"] or ("it",)
+    if fault["type"] == "extra_forbidden":
+        return f"{dotted([*above, key])}: there is no such key, only {', '.join(_keys(above, model))}"
+    given = repr(fault["input"])
+    given = given if len(given) <= SHOWN else given[:SHOWN] + "..."
+    return one_line(f"{dotted([*above, key])}: {fault['msg']}, not {given}")
+
+
+def _keys(path: Sequence[str | int], model: type[BaseModel]) -> list[str]:
+    """The keys of the section at `path`."""
+    for part in path:
+        inner = model.model_fields[str(part)].annotation
+        assert isinstance(inner, type)
+        assert issubclass(inner, BaseModel)
+        model = inner
+    return list(model.model_fields)

@@ -1,0 +1,7 @@
+"""How messages leave the daemon: one file per transport. A transport knows messages, and no physics."""
+
+from .transport import ClientStatus, Transport, TransportStatus
+from .websocket import WebSocketTransport
+from .zeromq import ZeroMQTransport
+
+__all__ = ["ClientStatus", "Transport", "TransportStatus", "WebSocketTransport", "ZeroMQTransport"]

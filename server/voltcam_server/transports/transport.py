@@ -1,0 +1,100 @@
+"""What all transports share: a thread of their own behind a bounded outbox, and counters."""
+
+import threading
+from abc import ABC, abstractmethod
+from collections import deque
+from typing import ClassVar
+
+from pydantic import BaseModel
+
+from ..messages import Message
+
+OUTBOX_BYTES = 32 * 2**20
+
+
+class ClientStatus(BaseModel):
+    """One subscriber that the transport knows by itself."""
+
+    address: str
+    topic: str
+    encoding: str | None
+    sent: int
+    dropped: int
+
+
+class TransportStatus(BaseModel):
+    """Event packets that a transport has sent and dropped, summed over its clients where it knows them."""
+
+    address: str
+    packets_sent: int
+    packets_dropped: int
+    clients: list[ClientStatus] = []
+
+
+class Transport(ABC):
+    """Sends what is published, in order; when it cannot keep up, the oldest that waits is dropped.
+
+    `publish` never waits and never raises, so that a transport costs nobody but its own subscribers.
+    """
+
+    name: ClassVar[str]
+
+    def __init__(self) -> None:
+        self._outbox: deque[Message] = deque()
+        self._outbox_bytes = 0
+        self._changed = threading.Condition()
+        self._stopping = False
+        self._thread = threading.Thread(target=self._run, name=f"voltcam-{self.name}", daemon=True)
+
+    def start(self) -> None:
+        self._thread.start()
+
+    def publish(self, message: Message) -> None:
+        with self._changed:
+            self._outbox.append(message)
+            self._outbox_bytes += message.size
+            while self._outbox_bytes > OUTBOX_BYTES and len(self._outbox) > 1:
+                oldest = self._outbox.popleft()
+                self._outbox_bytes -= oldest.size
+                self._dropped(oldest)
+            self._changed.notify_all()
+
+    def stop(self) -> None:
+        """End the thread and give back what it held; what waits is not sent."""
+        with self._changed:
+            self._stopping = True
+            self._changed.notify_all()
+        if self._thread.ident is not None:
+            self._thread.join()
+        self._close()
+
+    @abstractmethod
+    def _close(self) -> None:
+        """Give back what is held; called once, after the thread has ended."""
+
+    @property
+    @abstractmethod
+    def status(self) -> TransportStatus:
+        """Counters and clients."""
+
+    @abstractmethod
+    def _send(self, message: Message) -> None:
+        """Hand one message on, without waiting for anyone."""
+
+    @abstractmethod
+    def _dropped(self, message: Message) -> None:
+        """Count a message that did not leave the outbox."""
+
+    def _run(self) -> None:
+        while (message := self._next()) is not None:
+            self._send(message)
+
+    def _next(self) -> Message | None:
+        with self._changed:
+            while not self._outbox and not self._stopping:
+                self._changed.wait()
+            if self._stopping:
+                return None
+            message = self._outbox.popleft()
+            self._outbox_bytes -= message.size
+            return message

@@ -1,0 +1,123 @@
+"""WebSocket: header and buffer in one binary message, each client behind a bounded queue of its own."""
+
+import asyncio
+import contextlib
+import threading
+from collections import deque
+from typing import ClassVar
+
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from voltcam_client.packet import TOPIC_EVENTS, pack_message
+
+from ..messages import Message
+from .transport import ClientStatus, Transport, TransportStatus
+
+CLIENT_BYTES = 8 * 2**20
+
+
+class _Client:
+    """A queue between the transport's thread, which offers, and the event loop, which sends."""
+
+    def __init__(self, address: str, topic: bytes, encoding: str) -> None:
+        self.address, self.topic, self.encoding = address, topic, encoding
+        self.sent = self.dropped = 0
+        self._queue: deque[bytes] = deque()
+        self._bytes = 0
+        self._lock = threading.Lock()
+        self._loop = asyncio.get_running_loop()
+        self._filled = asyncio.Event()
+
+    def offer(self, data: bytes) -> None:
+        """From any thread: queue a message; the oldest goes when the client is too far behind."""
+        with self._lock:
+            self._queue.append(data)
+            self._bytes += len(data)
+            while self._bytes > CLIENT_BYTES and len(self._queue) > 1:
+                self._bytes -= len(self._queue.popleft())
+                self.dropped += 1
+        with contextlib.suppress(RuntimeError):  # the loop has been closed
+            self._loop.call_soon_threadsafe(self._filled.set)
+
+    async def take(self) -> bytes:
+        while True:
+            with self._lock:
+                if self._queue:
+                    data = self._queue.popleft()
+                    self._bytes -= len(data)
+                    return data
+                self._filled.clear()
+            await self._filled.wait()
+
+    @property
+    def status(self) -> ClientStatus:
+        events = self.topic == TOPIC_EVENTS
+        return ClientStatus(
+            address=self.address,
+            topic=self.topic.decode(),
+            encoding=self.encoding if events else None,
+            sent=self.sent,
+            dropped=self.dropped,
+        )
+
+
+class WebSocketTransport(Transport):
+    """Sends to the clients that `serve` accepts, on uvicorn's event loop."""
+
+    name: ClassVar[str] = "websocket"
+
+    def __init__(self, address: str) -> None:
+        super().__init__()
+        self.address = address
+        self._clients: list[_Client] = []  # replaced, never changed: the thread iterates over it
+        self._sent = self._lost = 0  # by the outbox, and clients that have left
+
+    async def serve(self, websocket: WebSocket, topic: bytes, encoding: str) -> None:
+        """Accept a client and send it all messages of a topic until it leaves."""
+        await websocket.accept()
+        peer = websocket.client
+        client = _Client(f"{peer.host}:{peer.port}" if peer else "", topic, encoding)
+        self._clients = [*self._clients, client]
+        sending = asyncio.create_task(self._send_to(client, websocket))
+        try:
+            while (await websocket.receive())["type"] != "websocket.disconnect":
+                pass  # nothing that a client says matters here
+        finally:
+            sending.cancel()
+            with contextlib.suppress(asyncio.CancelledError, WebSocketDisconnect, RuntimeError):
+                await sending
+            self._clients = [other for other in self._clients if other is not client]
+            if topic == TOPIC_EVENTS:
+                self._sent += client.sent
+                self._lost += client.dropped
+
+    async def _send_to(self, client: _Client, websocket: WebSocket) -> None:
+        while True:
+            await websocket.send_bytes(await client.take())
+            client.sent += 1
+
+    @property
+    def status(self) -> TransportStatus:
+        clients = [client.status for client in self._clients]
+        watching = [client for client in clients if client.topic == TOPIC_EVENTS.decode()]
+        return TransportStatus(
+            address=self.address,
+            packets_sent=self._sent + sum(client.sent for client in watching),
+            packets_dropped=self._lost + sum(client.dropped for client in watching),
+            clients=clients,
+        )
+
+    def _send(self, message: Message) -> None:
+        packed: dict[str, bytes] = {}
+        for client in self._clients:
+            if client.topic == message.topic:
+                if client.encoding not in packed:
+                    header, buffer = message.parts(client.encoding)
+                    packed[client.encoding] = pack_message(header, buffer)
+                client.offer(packed[client.encoding])
+
+    def _dropped(self, message: Message) -> None:
+        self._lost += message.topic == TOPIC_EVENTS
+
+    def _close(self) -> None:
+        """The clients are the web server's to close."""

@@ -1,0 +1,78 @@
+"""ZeroMQ: XPUB, multipart [topic, header, buffer] (status: [topic, header]).
+
+Only what someone subscribes to is encoded. A subscriber that does not keep up loses packets, which it sees
+in `seq`: libzmq drops them in that subscriber's queue, and does not tell us.
+"""
+
+from typing import ClassVar
+
+import zmq
+
+from voltcam_client.packet import TOPIC_EVENTS
+
+from ..messages import Message
+from ..problems import UsageError
+from .transport import Transport, TransportStatus
+
+SEND_QUEUE_MESSAGES = 1000  # of each subscriber
+SUBSCRIPTION_BYTES = 256  # longest message that a subscriber may send
+# A subscriber that vanished gives its queue back after 15 s. By TCP and not by ZMTP's heartbeats, with which
+# libzmq (4.3.5) aborts the process when a connection ends whose queue is full (libzmq issues 4364, 4767).
+KEEPALIVE_IDLE_S, KEEPALIVE_PERIOD_S, KEEPALIVE_PROBES = 5, 5, 2
+
+
+class ZeroMQTransport(Transport):
+    """Publishes on `endpoint`; binds at once. Raises UsageError when that is not possible."""
+
+    name: ClassVar[str] = "zeromq"
+
+    def __init__(self, endpoint: str, encoding: str) -> None:
+        super().__init__()
+        self._encoding = encoding
+        self._sent = self._lost = 0
+        self._topics: set[bytes] = set()
+        self._context = zmq.Context()
+        self._socket = self._context.socket(zmq.XPUB)
+        self._socket.linger = 0
+        self._socket.sndhwm = SEND_QUEUE_MESSAGES
+        self._socket.maxmsgsize = SUBSCRIPTION_BYTES
+        self._socket.tcp_keepalive = 1
+        self._socket.tcp_keepalive_idle = KEEPALIVE_IDLE_S
+        self._socket.tcp_keepalive_intvl = KEEPALIVE_PERIOD_S
+        self._socket.tcp_keepalive_cnt = KEEPALIVE_PROBES
+        self._socket.ipv6 = "[" in endpoint
+        try:
+            self._socket.bind(endpoint)
+        except zmq.ZMQError as error:
+            self._close()
+            raise UsageError(
+                f"{endpoint}: {error.strerror}: end the program that has it, or choose another with --zmq"
+            ) from None
+        self.endpoint = self._socket.getsockopt_string(zmq.LAST_ENDPOINT)
+
+    @property
+    def status(self) -> TransportStatus:
+        return TransportStatus(address=self.endpoint, packets_sent=self._sent, packets_dropped=self._lost)
+
+    def _send(self, message: Message) -> None:
+        self._take_subscriptions()
+        if not any(message.topic.startswith(topic) for topic in self._topics):
+            return
+        self._socket.send_multipart([message.topic, *message.parts(self._encoding)], copy=False)
+        self._sent += message.topic == TOPIC_EVENTS
+
+    def _take_subscriptions(self) -> None:
+        """XPUB tells a topic's first subscriber and the loss of its last: byte 1 or 0, then the topic."""
+        while self._socket.poll(0):
+            news = self._socket.recv()
+            if news[:1] == b"\1":
+                self._topics.add(news[1:])
+            elif news[:1] == b"\0":
+                self._topics.discard(news[1:])
+
+    def _dropped(self, message: Message) -> None:
+        self._lost += message.topic == TOPIC_EVENTS
+
+    def _close(self) -> None:
+        self._socket.close()
+        self._context.term()

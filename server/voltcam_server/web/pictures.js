@@ -1,0 +1,93 @@
+/** The two pictures: events that fade, and the source frame. Both write 32-bit RGBA pixels. */
+
+const LEVELS = 256;
+const EVENTS_AT_FULL = 4; // where the colour scale ends
+
+/** A canvas with one 32-bit word for each pixel. */
+class Picture {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.context = canvas.getContext("2d", { alpha: false });
+    this.resize(canvas.width, canvas.height);
+  }
+
+  resize(width, height) {
+    [this.canvas.width, this.canvas.height] = [width, height];
+    this.image = this.context.createImageData(width, height);
+    this.pixels = new Uint32Array(this.image.data.buffer);
+  }
+
+  fit({ width, height }) {
+    if (width !== this.canvas.width || height !== this.canvas.height) this.resize(width, height);
+  }
+
+  show() {
+    this.context.putImageData(this.image, 0, 0);
+  }
+}
+
+/** Events as they come, each fading exponentially; a pixel has the colour of its last polarity. */
+export class EventPicture extends Picture {
+  resize(width, height) {
+    super.resize(width, height);
+    this.activity = new Float32Array(width * height); // events, faded
+    this.polarity = new Uint8Array(width * height);
+  }
+
+  /** Adds a buffer in the `libcaer` encoding. Returns [ON, OFF] counts. */
+  add(buffer) {
+    const words = new Uint32Array(buffer);
+    const { width, height } = this.canvas;
+    const { activity, polarity } = this;
+    const count = [0, 0];
+    for (let i = 0; i < words.length; i += 2) {
+      const word = words[i];
+      const x = word >>> 17;
+      const y = (word >>> 2) & 0x7fff;
+      if (!(word & 1) || x >= width || y >= height) continue;
+      const on = (word >>> 1) & 1;
+      activity[y * width + x] += 1;
+      polarity[y * width + x] = on;
+      count[1 - on]++;
+    }
+    return count;
+  }
+
+  /** Colours as [r, g, b]. */
+  paint(background, on, off) {
+    this.palette = new Uint32Array(2 * LEVELS);
+    for (let i = 0; i < LEVELS; i++) {
+      const share = 1 - Math.exp((-i * EVENTS_AT_FULL) / LEVELS);
+      const mix = (colour) => rgba(colour.map((c, k) => background[k] + (c - background[k]) * share));
+      this.palette[i] = mix(off);
+      this.palette[LEVELS + i] = mix(on);
+    }
+  }
+
+  /** Shows the picture, then fades it by the factor `keep`. */
+  draw(keep) {
+    const { activity, polarity, palette, pixels } = this;
+    const scale = LEVELS / EVENTS_AT_FULL;
+    for (let i = 0; i < pixels.length; i++) {
+      const level = Math.min(LEVELS - 1, activity[i] * scale) | 0;
+      pixels[i] = palette[polarity[i] * LEVELS + level];
+      activity[i] *= keep;
+    }
+    this.show();
+  }
+}
+
+/** The newest grey frame (sensor_msgs/Image, mono8). */
+export class FramePicture extends Picture {
+  draw({ width, height, step }, buffer) {
+    this.fit({ width, height });
+    const grey = new Uint8Array(buffer);
+    for (let y = 0, i = 0; y < height; y++)
+      for (let x = 0; x < width; x++, i++) this.pixels[i] = 0xff000000 | (grey[y * step + x] * 0x010101);
+    this.show();
+  }
+}
+
+function rgba([r, g, b]) {
+  return (0xff000000 | (b << 16) | (g << 8) | r) >>> 0;
+}

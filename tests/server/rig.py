@@ -1,0 +1,261 @@
+"""What the server's tests run: small emulators in process, `voltcam serve` itself, a stream that dies."""
+
+import contextlib
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any
+
+import cv2
+import httpx
+import msgpack
+import numpy as np
+import uvicorn
+from fastapi import FastAPI
+from numpy.typing import NDArray
+
+from voltcam_client.packet import (
+    EVENT,
+    TOPIC_EVENTS,
+    TOPIC_FRAMES,
+    TOPIC_STATUS,
+    FrameMessage,
+    Packet,
+    decode_frame,
+    decode_packet,
+)
+from voltcam_server.emulator import Emulator
+from voltcam_server.mailbox import Arrival
+from voltcam_server.messages import Message
+from voltcam_server.transports import Transport, TransportStatus
+from voltcam_simulator import Camera, Parameters
+from voltcam_video import Frame, SourceRequest
+
+PATIENCE_S = 30.0  # how long a test waits for something that happens in well under a second
+
+
+def tiny(**changes: Any) -> Camera:
+    """A camera of 24 x 16 pixels."""
+    return Camera(name="tiny", width=24, height=16, parameters=Parameters().changed(changes))
+
+
+def moving_frames(count: int, camera: Camera, seed: int = 0) -> NDArray[np.uint8]:
+    """Random brightness, smooth in time: some events per pixel and frame."""
+    rng = np.random.default_rng(seed)
+    phase = rng.uniform(0, 2 * np.pi, (camera.height, camera.width))
+    return np.stack([(128 + 100 * np.sin(phase + 0.3 * i)).astype(np.uint8) for i in range(count)])
+
+
+def save_frames(path: Path, frames: NDArray[np.uint8], period_us: int = 10_000, start_us: int = 0) -> str:
+    np.savez(path, frames=frames, t_us=start_us + period_us * np.arange(len(frames)))
+    return str(path)
+
+
+def arrival(image: NDArray[Any], t_us: int, *, cut: bool = False, paced: bool = True) -> Arrival:
+    return Arrival(Frame(image, t_us), "crop", time.monotonic(), cut, paced)
+
+
+def until(condition: Callable[[], object], what: str) -> None:
+    """Wait for a condition that nothing announces."""
+    deadline = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < deadline, f"not within {PATIENCE_S} s: {what}"
+        time.sleep(0.01)
+
+
+class Listener(Transport):
+    """A transport that keeps what it gets, as a subscriber would decode it."""
+
+    name = "listener"
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.packets: list[Packet] = []
+        self.frames: list[FrameMessage] = []
+        self.statuses: list[dict[str, Any]] = []
+        self._heard = threading.Condition()
+
+    def wait(self, condition: Callable[["Listener"], object]) -> None:
+        """Until the condition holds of what has come."""
+        with self._heard:
+            assert self._heard.wait_for(lambda: condition(self), PATIENCE_S), "it did not come"
+
+    @property
+    def events(self) -> NDArray[np.void]:
+        return np.concatenate([np.empty(0, EVENT), *(packet.events for packet in self.packets)])
+
+    @property
+    def status(self) -> TransportStatus:
+        return TransportStatus(address="here", packets_sent=len(self.packets), packets_dropped=0)
+
+    def _send(self, message: Message) -> None:
+        with self._heard:
+            if message.topic == TOPIC_EVENTS:
+                header, buffer = message.parts("libcaer")
+                self.packets.append(decode_packet(header, buffer))
+            if message.topic == TOPIC_FRAMES:
+                header, buffer = message.parts("")
+                self.frames.append(decode_frame(header, buffer))
+            if message.topic == TOPIC_STATUS:
+                self.statuses.append(msgpack.unpackb(message.parts("")[0]))
+            self._heard.notify_all()
+
+    def _dropped(self, message: Message) -> None:
+        raise AssertionError("the listener did not keep up")
+
+    def _close(self) -> None:
+        pass
+
+
+@contextlib.contextmanager
+def emulating(
+    source: SourceRequest, camera: Camera | None = None, **settings: Any
+) -> Iterator[tuple[Emulator, Listener]]:
+    """A running emulator and its listener; it must not have failed at the end."""
+    listener = Listener()
+    emulator = Emulator(camera or tiny(), source, transports=[listener], **settings)
+    listener.start()
+    try:
+        emulator.start()
+        yield emulator, listener
+        assert emulator.failure is None
+    finally:
+        emulator.stop()
+        listener.stop()
+
+
+@contextlib.contextmanager
+def web_server(app: FastAPI) -> Iterator[str]:
+    """The app on a free port, by uvicorn as the daemon runs it; yields HOST:PORT."""
+    server = uvicorn.Server(
+        uvicorn.Config(
+            app,
+            port=0,
+            log_level="warning",
+            lifespan="off",
+            ws_per_message_deflate=False,
+            timeout_graceful_shutdown=1,
+        )
+    )
+    thread = threading.Thread(target=server.run)
+    thread.start()
+    try:
+        until(lambda: server.started, "the web server starts")
+        yield f"127.0.0.1:{server.servers[0].sockets[0].getsockname()[1]}"
+    finally:
+        server.should_exit = True
+        thread.join()
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def voltcam(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Run a command to its end."""
+    return subprocess.run(
+        [voltcam_path(), *arguments],
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE_S,
+        env=os.environ | environment,
+        check=False,
+    )
+
+
+def voltcam_path() -> str:
+    return str(Path(sys.executable).with_name("voltcam"))
+
+
+class Daemon:
+    """`voltcam serve` on free ports, ready when made; a context manager that ends it by SIGTERM."""
+
+    def __init__(self, *arguments: str) -> None:
+        command = [voltcam_path(), "serve", "--http", "127.0.0.1:0", "--zmq", "tcp://127.0.0.1:0", *arguments]
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.banner = ""
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.banner += line
+            if "Ctrl-C" in line:
+                break
+        assert "Ctrl-C" in self.banner, self.process.communicate()[1]
+        page = re.search(r"http://\S+", self.banner)
+        assert page is not None
+        self.url = page[0]
+        self.http = httpx.Client(base_url=self.url + "api/v1/", trust_env=False)
+        until(lambda: httpx.get(self.url + "readyz", trust_env=False).is_success, "ready")
+        self.zmq = str(self.get("camera")["zmq"])
+
+    def get(self, path: str) -> Any:
+        return self.http.get(path).raise_for_status().json()
+
+    def patch(self, change: Any) -> Any:
+        return self.http.patch("parameters", json=change).raise_for_status().json()
+
+    def end(self, number: int = signal.SIGTERM) -> tuple[int, str, float]:
+        """Exit status, standard error, and how many seconds the end took."""
+        began_s = time.monotonic()
+        self.process.send_signal(number)
+        errors = self.process.communicate(timeout=PATIENCE_S)[1]
+        return self.process.returncode, errors, time.monotonic() - began_s
+
+    def __enter__(self) -> "Daemon":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.http.close()
+        if self.process.poll() is None:
+            code, errors, _seconds = self.end()
+            assert (code, errors) == (0, "")
+
+
+class MjpegServer:
+    """An HTTP camera, 50 frames per second of moving bars; it dies, and another comes back on its port."""
+
+    def __init__(self, port: int = 0) -> None:
+        self._dead = threading.Event()
+        camera = self
+
+        class Handler(BaseHTTPRequestHandler):
+            def log_message(self, format: str, *args: object) -> None:
+                pass
+
+            def do_GET(self) -> None:
+                self.send_response(200)
+                self.send_header("Content-Type", "multipart/x-mixed-replace; boundary=frame")
+                self.end_headers()
+                with contextlib.suppress(OSError):  # the client left
+                    camera._send(self.wfile.write)
+
+        self._http = ThreadingHTTPServer(("127.0.0.1", port), Handler)
+        self._http.daemon_threads = True
+        self.port = self._http.server_address[1]
+        self.url = f"http://127.0.0.1:{self.port}/"
+        self._thread = threading.Thread(target=self._http.serve_forever, args=(0.02,))
+        self._thread.start()
+
+    def _send(self, write: Callable[[bytes], object]) -> None:
+        image, i = np.tile(np.repeat(np.array([40, 200], np.uint8), 8), (48, 4)), 0
+        while not self._dead.wait(0.02):
+            jpeg = cv2.imencode(".jpg", np.roll(image, i, axis=1))[1].tobytes()
+            head = f"--frame\r\nContent-Type: image/jpeg\r\nContent-Length: {len(jpeg)}\r\n\r\n"
+            write(head.encode() + jpeg + b"\r\n")
+            i += 1
+
+    def die(self) -> None:
+        """Closes all connections and the port."""
+        self._dead.set()
+        self._http.shutdown()
+        self._thread.join()
+        self._http.server_close()

@@ -1,0 +1,163 @@
+"""`voltcam convert`: files in, event files out."""
+
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from voltcam_client.formats import open_writer, read
+from voltcam_server.convert import Conversion, convert
+from voltcam_server.problems import UsageError
+from voltcam_simulator import Camera, Simulator
+from voltcam_video import SourceRequest
+
+from .rig import PATIENCE_S, moving_frames, save_frames, tiny, until, voltcam, voltcam_path
+
+DATA = Path(os.environ.get("VOLTCAM_DATA", Path(__file__).parents[3] / "shared" / "data"))
+
+
+def job(source: str | Path, output: Path, camera: Camera | None = None) -> Conversion:
+    return Conversion(SourceRequest(uri=str(source), pace="fast"), camera or tiny(), output, seed=2)
+
+
+@pytest.mark.parametrize("start_us", [0, 1_700_000_000_000_000])
+@pytest.mark.parametrize("suffix", [".npz", ".txt", ".csv", ".raw"])
+def test_every_frame_is_simulated(tmp_path: Path, suffix: str, start_us: int) -> None:
+    camera, output = tiny(), tmp_path / f"out{suffix}"
+    frames = moving_frames(50, camera)
+    words = convert(job(save_frames(tmp_path / "in.npz", frames, start_us=start_us), output))
+    simulator = Simulator(24, 16, camera.parameters, seed=2)
+    expected = [simulator.advance(image, start_us + 10_000 * i) for i, image in enumerate(frames)]
+    np.testing.assert_array_equal(read(output).events, np.concatenate(expected))
+    assert f"{sum(map(len, expected))} events from 50 frames" in words
+
+
+def test_frames_are_fitted_to_the_camera(tmp_path: Path) -> None:
+    output = tmp_path / "out.npz"
+    large = moving_frames(5, Camera(name="large", width=200, height=100))
+    convert(job(save_frames(tmp_path / "in.npz", large), output))
+    recording = read(output)
+    assert (recording.width, recording.height) == (24, 16)
+
+
+def test_a_source_that_breaks_off_keeps_what_came_before(tmp_path: Path) -> None:
+    frames = moving_frames(10, tiny()).astype(np.float32)
+    frames[6, 3, 3] = np.nan
+    np.savez(tmp_path / "in.npz", frames=frames, t_us=1000 * np.arange(10))
+    output = tmp_path / "out.txt"
+    with pytest.raises(UsageError) as caught:
+        convert(job(tmp_path / "in.npz", output))
+    text = str(caught.value)
+    assert "frames[6]" in text
+    assert "\n" not in text
+    simulator = Simulator(24, 16, tiny().parameters, seed=2)
+    expected = np.concatenate([simulator.advance(image, 1000 * i) for i, image in enumerate(frames[:6])])
+    np.testing.assert_array_equal(read(output).events, expected)
+    assert f"the {expected.size} events before it are kept in {output}" in text
+
+
+@pytest.mark.parametrize("stamps", [[0, 1000, 1000, 2000], [0, 1000, 500, 2000]])
+def test_stamps_that_do_not_advance_are_named(tmp_path: Path, stamps: list[int]) -> None:
+    np.savez(tmp_path / "in.npz", frames=moving_frames(4, tiny()), t_us=stamps)
+    with pytest.raises(UsageError, match=r"t_us\[2\]"):
+        convert(job(tmp_path / "in.npz", tmp_path / "out.txt"))
+
+
+def test_a_recording_without_frames_is_copied(tmp_path: Path) -> None:
+    convert(job(save_frames(tmp_path / "in.npz", moving_frames(9, tiny())), tmp_path / "events.npz"))
+    for source, output in (
+        ("events.npz", "events.txt"),
+        ("events.txt", "events.raw"),
+        ("events.raw", "back.csv"),
+    ):
+        words = convert(job(tmp_path / source, tmp_path / output))
+        assert "nothing simulated" in words
+        np.testing.assert_array_equal(read(tmp_path / output).events, read(tmp_path / "events.npz").events)
+
+
+def test_an_unfinished_recording_is_recovered(tmp_path: Path) -> None:
+    frames = moving_frames(4, tiny())
+    writer = open_writer(tmp_path / "cut.npz", width=24, height=16)
+    writer.events(Simulator(24, 16).advance(frames[0], 0))
+    for i, image in enumerate(frames):
+        writer.frame(image, 1000 * i)
+    # No close: as a killed process leaves it.
+    convert(job(tmp_path / "cut.npz.partial", tmp_path / "saved.npz"))
+    saved = read(tmp_path / "saved.npz")
+    np.testing.assert_array_equal(saved.frames, frames)
+    writer.close()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["none.mp4", "out.npz"], "none.mp4"),
+        (["scene", "out.npz"], "scene does not end by itself: give --seconds"),
+        (["in.npz", "out.mp3"], "'.mp3'"),
+        (["in.npz", "there.npz"], "there.npz exists already: choose another name, or give --overwrite"),
+        (
+            ["in.npz", "out.npz", "--set", "comparator.theta=1"],
+            "parameters.comparator.theta: there is no such key",
+        ),
+        (["in.npz", "out.npz", "--camera", "davis128"], "unknown camera 'davis128'"),
+        (["in.npz", "out.npz", "--camera", "none.yaml"], "none.yaml cannot be read"),
+        (["in.npz", "out.npz", "--seed", "-1"], "command line: seed: "),
+    ],
+)
+def test_errors_are_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], words: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    save_frames(tmp_path / "in.npz", moving_frames(3, tiny()))
+    (tmp_path / "there.npz").write_text("precious")
+    done = voltcam("convert", *arguments)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert words in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert (tmp_path / "there.npz").read_text() == "precious"
+    assert not (tmp_path / "out.npz").exists()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it_with_a_whole_file(tmp_path: Path, number: int) -> None:
+    output = tmp_path / "out.npz"
+    command = [voltcam_path(), "convert", "scene", str(output), "--seconds", "1e6"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    spooled = tmp_path / "out.npz.partial" / "events.bin"
+    until(lambda: spooled.exists() and spooled.stat().st_size, "events are written")
+    process.send_signal(number)
+    began_s = time.monotonic()
+    words, errors = process.communicate(timeout=PATIENCE_S)
+    assert (process.returncode, errors) == (0, "")
+    assert time.monotonic() - began_s < 10
+    assert f"{read(output).events.size} events from" in words
+
+
+def test_real_frames_give_images_like_the_real_events(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Frames of a DAVIS240C against the events it gave: event counts per pixel over 50 ms."""
+    folder = DATA / "slider_depth"
+    if not folder.is_dir():
+        pytest.skip(f"no recording at {folder}: set VOLTCAM_DATA")
+    camera = Camera.load("davis240c")
+    request = SourceRequest(uri=str(folder), pace="fast")
+    convert(Conversion(request, camera, tmp_path / "out.npz", seed=1, seconds=0.6))
+    made = read(tmp_path / "out.npz").events
+    seconds, x, y = np.loadtxt(folder / "events.txt", usecols=(0, 1, 2), max_rows=150_000).T
+    starts = np.arange(100_000, 500_000, 50_000)
+
+    def counts(t_us: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        edges = [*starts, starts[-1] + 50_000], range(181), range(241)
+        return np.histogramdd((t_us, y, x), edges)[0].reshape(starts.size, -1)
+
+    simulated, real = counts(made["t"], made["x"], made["y"]), counts(seconds * 1e6, x, y)
+    same = np.diag(np.corrcoef(simulated, real)[: starts.size, starts.size :])
+    with capsys.disabled():
+        print(f"\nslider_depth: correlation of 50 ms event-count images {np.median(same):.3f}")  # noqa: T201
+    assert np.median(same) > 0.55
+    assert same.min() > 0.5
