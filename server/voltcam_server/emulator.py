@@ -32,7 +32,7 @@ STATUS_PERIOD_S = 1.0
 class Emulator:
     """An event camera looking at a source, with transports attached: `start` it, then `stop` it, once.
 
-    on_failure is called when one of its threads ends by an error of ours; `failure` then holds it.
+    on_failure is called when a thread of it or of a transport ends by an error of ours, then in `failure`.
     """
 
     def __init__(
@@ -53,7 +53,8 @@ class Emulator:
         self._on_failure = on_failure
         self._mailbox = Mailbox()
         self._pacer = Pacer(packets or PacketSettings(), self._send_events, self._end_interval)
-        self._capture = Capture(source, self._mailbox, self._wake_status)
+        self._news = threading.Event()  # the status has changed
+        self._capture = Capture(source, self._mailbox, self._news.set)
         self._opening: Capture | None = None
         self._control = threading.Lock()  # one change of source or recording at a time
         self._recorder: Recorder | None = None
@@ -62,7 +63,6 @@ class Emulator:
         self._latency = Latency(simulated_ms=0, sent_ms=0)
         self._started_s = time.monotonic()
         self._stopping = False
-        self._news = threading.Event()
         self._threads = [
             threading.Thread(target=self._guarded, args=(run,), name=f"voltcam-{name}")
             for name, run in (
@@ -117,23 +117,28 @@ class Emulator:
     def look_at(self, request: SourceRequest) -> None:
         """Change the source. Raises SourceError when the new one cannot be opened: the old one goes on."""
         with self._control:
+            self._check_running()
             former = self._capture
             exclusive = former.has_device(request.uri)
             if exclusive:
                 former.stop()
-            new = self._opening = Capture(request, self._mailbox, self._wake_status)
+            new = self._opening = Capture(request, self._mailbox, self._news.set)
             new.start()
             try:
                 new.wait_open()
             except SourceError:
                 new.stop()
                 if exclusive:
-                    self._use(Capture(former.request, self._mailbox, self._wake_status))
+                    self._use(Capture(former.request, self._mailbox, self._news.set))
                 raise
             finally:
                 self._opening = None
             former.stop()
             self._use(new)
+
+    def _check_running(self) -> None:
+        if self._stopping:
+            raise UsageError("the daemon is ending: start it again")
 
     def _use(self, capture: Capture) -> None:
         self._capture = capture
@@ -143,6 +148,7 @@ class Emulator:
     def record(self, path: str) -> RecordingStatus:
         """Begin a recording. Raises FormatError, RecordingError, or UsageError when there is one already."""
         with self._control:
+            self._check_running()
             if self._recorder and self._recorder.status.recording:
                 raise UsageError(f"{self._recorder.status.path} is being recorded: end that recording first")
             if self._recorder:
@@ -228,15 +234,15 @@ class Emulator:
             for meter in (self._arrived, self._events, self._packets):
                 meter.tick()
             self._publish(status_message(self.status.model_dump()))
+            for transport in self._transports:
+                if transport.failure is not None:
+                    raise transport.failure
             self._news.wait(STATUS_PERIOD_S)
             self._news.clear()
 
     def _publish(self, message: Message) -> None:
         for transport in self._transports:
             transport.publish(message)
-
-    def _wake_status(self) -> None:
-        self._news.set()
 
     def _guarded(self, run: Callable[[], None]) -> None:
         try:

@@ -100,7 +100,7 @@ def test_the_rate_fits_the_scene(daemon: Daemon) -> None:
 
 def test_zeromq_and_websocket_give_the_same_events(daemon: Daemon) -> None:
     url = daemon.url.replace("http", "ws") + "api/v1/events?encoding=mono"
-    with connect(url, compression=None) as socket, EventCamera(daemon.zmq, timeout_s=PATIENCE_S) as camera:
+    with connect(url, close_timeout=0.1) as socket, EventCamera(daemon.zmq, timeout_s=PATIENCE_S) as camera:
         by_zmq = {packet.seq: packet for packet, _ in zip(camera, range(300), strict=False)}
         by_websocket: dict[int, Packet] = {}
         while max(by_websocket, default=0) < max(by_zmq):
@@ -263,6 +263,7 @@ def test_the_environment_and_the_file_are_heard(tmp_path: Path) -> None:
         assert (camera["name"], camera["seed"]) == ("davis240c", 7)
         assert daemon.get("parameters")["parameters"]["temperature_c"] == 50
         assert "davis240c" in daemon.banner
+    assert "environment: seed: " in voltcam("serve", VOLTCAM_SEED="many").stderr
 
 
 def test_help_reads_well_and_the_schema_is_json() -> None:

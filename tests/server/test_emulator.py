@@ -174,6 +174,18 @@ def test_a_stream_that_dies_comes_back() -> None:
 class OnlyCamera:
     """Stands in for `watch`: a camera that can be opened once at a time, and never with fps 666."""
 
+    GRANTED = Granted(
+        kind="device",
+        live=True,
+        width=24,
+        height=16,
+        fps=None,
+        pixel_format=None,
+        frames=None,
+        backend=None,
+        clock="kernel",
+    )
+
     def __init__(self) -> None:
         self.open_count = 0
 
@@ -184,7 +196,7 @@ class OnlyCamera:
         try:
             if self.open_count > 1 or request.fps == 666:
                 raise SourceError("/dev/video0: busy")
-            on_state(SourceState("running", granted=Granted(kind="device", live=True)))
+            on_state(SourceState("running", granted=self.GRANTED))
             while not stop.wait(0.005):
                 yield Frame(np.zeros((16, 24), np.uint8), time.time_ns() // 1000)
         finally:
@@ -297,15 +309,38 @@ def test_no_thread_is_left() -> None:
     until(lambda: set(threading.enumerate()) <= before, "all threads end")
 
 
+def broken(_: object) -> None:
+    raise RuntimeError("a bug")
+
+
 def test_an_error_of_ours_is_reported() -> None:
     failed = threading.Event()
-
-    def broken(_: object) -> None:
-        raise RuntimeError("a bug")
-
     emulator = Emulator(tiny(), SCENE, on_failure=failed.set)
     emulator.simulation.step = broken  # type: ignore[method-assign,assignment]
     emulator.start()
-    assert failed.wait(30)
+    assert failed.wait(PATIENCE_S)
     emulator.stop()
     assert repr(emulator.failure) == "RuntimeError('a bug')"
+
+
+def test_an_error_of_ours_in_a_transport_is_reported_too() -> None:
+    failed = threading.Event()
+    listener = Listener()
+    listener._send = broken  # type: ignore[method-assign,assignment]
+    emulator = Emulator(tiny(), SCENE, transports=[listener], on_failure=failed.set)
+    listener.start()
+    emulator.start()
+    assert failed.wait(PATIENCE_S)
+    emulator.stop()
+    listener.stop()
+    assert repr(emulator.failure) == "RuntimeError('a bug')"
+
+
+def test_what_has_ended_begins_nothing(tmp_path: Path) -> None:
+    with emulating(SCENE) as (emulator, _):
+        emulator.stop()
+        with pytest.raises(UsageError, match="the daemon is ending"):
+            emulator.look_at(SCENE)
+        with pytest.raises(UsageError, match="the daemon is ending"):
+            emulator.record(str(tmp_path / "late.npz"))
+    assert not list(tmp_path.iterdir())

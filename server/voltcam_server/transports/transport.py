@@ -35,11 +35,13 @@ class Transport(ABC):
     """Sends what is published, in order; when it cannot keep up, the oldest that waits is dropped.
 
     `publish` never waits and never raises, so that a transport costs nobody but its own subscribers.
+    failure: an error of ours that has ended its thread.
     """
 
     name: ClassVar[str]
 
     def __init__(self) -> None:
+        self.failure: Exception | None = None
         self._outbox: deque[Message] = deque()
         self._outbox_bytes = 0
         self._changed = threading.Condition()
@@ -86,8 +88,11 @@ class Transport(ABC):
         """Count a message that did not leave the outbox."""
 
     def _run(self) -> None:
-        while (message := self._next()) is not None:
-            self._send(message)
+        try:
+            while (message := self._next()) is not None:
+                self._send(message)
+        except Exception as error:
+            self.failure = error
 
     def _next(self) -> Message | None:
         with self._changed:
