@@ -14,7 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from .first_passage import event_address, event_key, inverse_gaussian
+from .event_key import event_address, event_key
+from .first_passage import inverse_gaussian
 from .kernel import kernel
 from .random import sequence, uniform
 
@@ -35,7 +36,7 @@ def on_probability(mu: Any, sigma2: Any, up: Any, down: Any) -> Any:
 @kernel
 def cross_by_paper(
     residual: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any,
-    first: Any, key: Any, pixel0: Any, width: Any, keys: Any,
+    first: Any, key: Any, pixel0: Any, width: Any, offset: Any, keys: Any,
 ) -> Any:  # fmt: skip
     """All pixels from `first` on, over one interval; arrays and return value as in `first_passage.cross`."""
     written = 0
@@ -61,7 +62,7 @@ def cross_by_paper(
             if events == keys.shape[0]:
                 return i, written
             now += tau
-            keys[events] = event_key(now, address, 1 if on else -1)
+            keys[events] = event_key(offset + now, address, 1 if on else -1)
             events += 1
             v = 0.0
         written = events

@@ -94,6 +94,13 @@ def normal(state: Any) -> Any:
             return state, sign * x
 
 
+def events_generator(seed: int, name: str, interval: int) -> np.random.Generator:
+    """The numbers of an effect that works on whole intervals of events."""
+    return np.random.Generator(
+        np.random.Philox(key=[seed, zlib.crc32(name.encode())], counter=[0, 0, interval, 0])
+    )
+
+
 def pattern(seed: int, name: str) -> np.random.Generator:
     """The numbers of a fixed pattern: the same for the same seed and effect, whatever else is on."""
     return np.random.default_rng([seed, zlib.crc32(name.encode())])
