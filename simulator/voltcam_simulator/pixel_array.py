@@ -112,7 +112,8 @@ class PixelArray:
         drift[:], noise[:], response[:] = 0, 0, 0
         sensor = self.sensor
         return Band(
-            sensor, first_row, start_us, span_us, self._elapsed_us, sensor.temperature_c, self._light[pixels], light, response, drift, noise,
+            sensor, first_row, start_us, span_us, self._elapsed_us, sensor.temperature_c,
+            self._light[pixels], light, response, drift, noise,
             leak=None if sensor.leak is None else sensor.leak.ravel()[pixels],
             planes={
                 name: {key: array[pixels] for key, array in state.items() if array.size == self.voltage.size}
