@@ -64,20 +64,31 @@ def touching_time(state: Any, distance: Any, beyond: Any, span: Any, variance: A
     """
     if distance <= 0.0:
         return state, 0.0
-    if variance <= 0.0:
-        return state, span * distance / (distance + beyond)
-    state, s = inverse_gaussian(state, beyond / distance, distance * distance / variance)
-    if s < 1e300:
-        return state, span * (s / (1.0 + s))
-    return state, span
+    state, gauss = normal(state)
+    state, u = uniform(state)
+    return state, span * touching_share(distance, beyond, variance, gauss, u)
+
+
+@kernel
+def touching_share(distance: Any, beyond: Any, variance: Any, gauss: Any, u: Any) -> Any:
+    """The share s/(1 + s) of the span, with s as `inverse_gaussian` draws it from a normal and a uniform number.
+
+    Multiplied out, so that there is one division and no limit is special; distance > 0.
+    """
+    q = 0.5 * gauss * gauss * variance
+    c = distance * beyond
+    r = c + q + math.sqrt(q * (q + 2.0 * c))
+    near, far = distance * distance, beyond * beyond
+    first = u * (r + c) <= r
+    return (near if first else r) / ((near if first else far) + r)
 
 
 @kernel
 def touch_probability(near: Any, far: Any, variance: Any) -> Any:
-    """Probability that a bridge touches a barrier at distances near (start) and far (end)."""
+    """Probability, 0 below MISS, that a bridge touches a barrier at distances near (start) and far (end)."""
     if near <= 0.0 or far <= 0.0:
         return 1.0
-    if variance <= 0.0:
+    if near * far >= -0.5 * LOG_MISS * variance:
         return 0.0
     return math.exp(-2.0 * near * far / variance)
 
@@ -119,8 +130,10 @@ def exit_of_bridge(state: Any, x: Any, y: Any, span: Any, variance: Any, above: 
     else:
         up = touch_probability(above - x, above - y, variance)
         down = touch_probability(x + below, y + below, variance)
-        state, u = uniform(state)
-        side = 1 if u < up else (-1 if u < up + down else 0)
+        side = 0
+        if up + down > 0.0:
+            state, u = uniform(state)
+            side = 1 if u < up else (-1 if u < up + down else 0)
     if side == 0:
         return state, 0, span
     barrier = above if side > 0 else -below

@@ -12,12 +12,14 @@ from typing import Any
 import numpy as np
 
 from .event_key import event_address, event_key
-from .first_passage import exit_of_bridge, needs_cut, stays_inside
+from .first_passage import LOG_MISS, exit_of_bridge, needs_cut, stays_inside, touching_share
 from .kernel import kernel
-from .random import normal, sequence
+from .random import normal, normals, sequences, uniforms
 
 REACH = 7.4
 """Standard deviations beyond which a barrier is out of reach: 4 Q(7.4) < 3e-13."""
+BLOCK = 512
+"""Pixels that are drawn together: their numbers stay in the first cache."""
 DEEPEST = 64
 """Halvings of an interval after which its two ends are the same number."""
 
@@ -61,48 +63,160 @@ def cross(
     key: `interval_key` of the step; pixel0: number of the band's first pixel; period [us]: dead time after an
     event; reset_sigma: spread of the voltage after a reset. kick_times (kicks, rows) [us], ascending, and
     kick_sizes (kicks,): sudden changes of voltage. offset [us]: start of the step in its interval.
-    Returns (pixels done, events written). Stops before the pixel whose events do not fit into keys
+    Returns (pixels done, events written). Stops before a block of pixels whose events do not fit into keys
     (capacity,) uint64; call again with more room, the same numbers are drawn.
+
+    Pixels go in blocks: what all of them need, and the usual single crossing, are loops that the compiler
+    vectorises (`draw_ends`, `find_touching`, `crossing_times`); the rest is followed one by one.
     """
     written = 0
-    kicks = kick_sizes.shape[0]
-    cuts = np.empty((2, DEEPEST + 1))
-    for k in range(first, count):
-        i = near[k]
-        state = sequence(key, pixel0 + i)
-        above_i, below_i = np.float64(above[i]), np.float64(below[i])
-        noise2 = np.float64(noise[i]) * np.float64(noise[i])
-        slope = np.float64(drift[i]) / span
-        x = np.float64(voltage[i])
-        if pending[i] > 0.0:
-            state, gauss = normal(state)
-            x += math.sqrt(pending[i]) * gauss
-        now, done = np.float64(held[i]), written
-        row = i // width if kicks > 0 else 0
-        address = event_address(pixel0 + i, width)
-        for kick in range(kicks + 1):  # the path up to each kick, and to the end
-            end = span if kick == kicks else kick_times[kick, row]
-            if end > now:
-                x = min(max(x, -below_i), above_i)  # beyond by a kick, rounding, or a threshold lowered
-                state, gauss = normal(state)
-                variance = noise2 * (end - now)
-                y = x + slope * (end - now) + math.sqrt(variance) * gauss
-                if stays_inside(x, y, above_i, below_i, variance):
-                    x, now = y, end
-                else:
-                    state, done, x, now = follow(
-                        state, x, y, now, end, noise2, above_i, below_i, period, reset_sigma,
-                        address, offset, cuts, keys, done,
-                    )  # fmt: skip
-                    if done < 0:
-                        return k, written
-            if kick < kicks and now <= end:  # in its dead time a pixel memorises the kick
-                x += kick_sizes[kick]
+    kicked = kick_sizes.shape[0] > 0
+    plain = period == 0.0 and reset_sigma == 0.0 and not kicked
+    states, touching = np.empty(BLOCK, np.uint64), np.empty(BLOCK + 1, np.int32)
+    start, end, time, hold = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK)
+    side, cuts = np.empty(BLOCK, np.int8), np.empty((2, DEEPEST + 1))
+    for begin in range(first, count, BLOCK):
+        pixels = near[begin : min(begin + BLOCK, count)]
+        n, done = pixels.shape[0], written
+        if done + n > keys.shape[0]:
+            return begin, written
+        sequences(key, pixel0, pixels, states)
+        normals(states[:n], start[:n], end[:n])
+        draw_ends(voltage, pending, drift, noise, span, above, below, pixels, start, end)
+        count_touching = find_touching(noise, span, above, below, held, pixels, start, end, kicked, touching)
+        crossing_times(
+            noise, span, above, below, pixels, touching[:count_touching], states, start, end, plain, side, time
+        )
+        for c in range(count_touching):
+            k = touching[c]
+            i = pixels[k]
+            a, b = np.float64(above[i]), np.float64(below[i])
+            noise2 = np.float64(noise[i]) * np.float64(noise[i])
+            address = event_address(pixel0 + i, width)
+            if kicked or held[i] > 0.0:
+                row = i // width if kicked else 0
+                done, y, now = walk(
+                    states[k], start[k], np.float64(drift[i]) / span, np.float64(held[i]), span, noise2, a, b,
+                    period, reset_sigma, kick_times[:, row], kick_sizes, address, offset, cuts, keys, done,
+                )  # fmt: skip
+            elif side[c] == 0:
+                done, y, now = follow(
+                    states[k], start[k], end[k], 0.0, span, noise2, a, b, period, reset_sigma,
+                    address, offset, cuts, keys, done,
+                )[1:]  # fmt: skip
+            else:
+                keys[done] = event_key(offset + time[c], address, side[c])
+                done += 1
+                now, y = time[c], end[k] - (a if side[c] > 0 else -b)
+                if not stays_inside(0.0, y, a, b, noise2 * (span - now)):
+                    done, y, now = follow(
+                        states[k], 0.0, y, now, span, noise2, a, b, 0.0, 0.0, address, offset, cuts, keys, done
+                    )[1:]
+            if done < 0 or done + n > keys.shape[0]:
+                return begin, written
+            end[k], hold[c] = y, max(now - span, 0.0)
+        for k in range(n):
+            voltage[pixels[k]] = end[k]
+            pending[pixels[k]] = 0.0
+        if period > 0.0:
+            for c in range(count_touching):
+                held[pixels[touching[c]]] = hold[c]
         written = done
-        voltage[i] = x
-        pending[i] = 0.0
-        held[i] = max(now - span, 0.0)
     return count, written
+
+
+@kernel
+def draw_ends(
+    voltage: Any, pending: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any, pixels: Any,
+    start: Any, end: Any,
+) -> None:  # fmt: skip
+    """start, end (n,): standard normal numbers to the voltages at the two ends of each path, before resets."""
+    root = math.sqrt(span)
+    for k in range(pixels.shape[0]):
+        i = pixels[k]
+        x = np.float64(voltage[i]) + math.sqrt(np.float64(pending[i])) * start[k]
+        # beyond a barrier by rounding, by a kick, or where a threshold was lowered
+        x = min(max(x, -np.float64(below[i])), np.float64(above[i]))
+        start[k] = x
+        end[k] = x + np.float64(drift[i]) + np.float64(noise[i]) * root * end[k]
+
+
+@kernel
+def find_touching(
+    noise: Any, span: Any, above: Any, below: Any, held: Any, pixels: Any, start: Any, end: Any, kicked: Any,
+    touching: Any,
+) -> Any:  # fmt: skip
+    """Fill touching with the places k of the paths that may touch a barrier, or need more care; their number."""
+    count = 0
+    for k in range(pixels.shape[0]):
+        i = pixels[k]
+        variance = np.float64(noise[i]) * np.float64(noise[i]) * span
+        inside = stays_inside(start[k], end[k], np.float64(above[i]), np.float64(below[i]), variance)
+        touching[count] = k
+        count += kicked or held[i] > 0.0 or not inside
+    return count
+
+
+@kernel
+def crossing_times(
+    noise: Any, span: Any, above: Any, below: Any, pixels: Any, touching: Any, states: Any, start: Any, end: Any,
+    plain: Any, side: Any, time: Any,
+) -> None:  # fmt: skip
+    """For paths that surely cross one barrier and cannot reach the other: side (+1, -1) and time; else side 0."""
+    n = touching.shape[0]
+    side[:n] = 0
+    if not plain:
+        return
+    own, gauss, spare, u = np.empty(n, np.uint64), np.empty(n), np.empty(n), np.empty(n)
+    for c in range(n):
+        own[c] = states[touching[c]]
+    normals(own, gauss, spare)
+    uniforms(own, u)
+    for c in range(n):
+        k = touching[c]
+        i = pixels[k]
+        states[k] = own[c]
+        a, b = np.float64(above[i]), np.float64(below[i])
+        variance = np.float64(noise[i]) * np.float64(noise[i]) * span
+        x, y = start[k], end[k]
+        on = y >= a
+        distance, beyond = (a - x, y - a) if on else (x + b, -b - y)
+        other = (x + b) * (y + b) if on else (a - x) * (a - y)
+        sure = beyond >= 0.0 and distance > 0.0 and other >= -0.5 * LOG_MISS * variance
+        side[c] = (1 if on else -1) if sure else 0
+        time[c] = span * touching_share(distance, beyond, variance, gauss[c], u[c])
+
+
+@kernel
+def walk(
+    state: Any, x: Any, slope: Any, now: Any, span: Any, noise2: Any, above: Any, below: Any, period: Any,
+    reset_sigma: Any, kick_times: Any, kick_sizes: Any, address: Any, offset: Any, cuts: Any, keys: Any,
+    written: Any,
+) -> Any:  # fmt: skip
+    """The whole step of one pixel from voltage x, free from `now` on, with kicks, dead time and resets.
+
+    slope [1/us]. Returns (written, voltage at the end, time from which the pixel is free), as `follow`.
+    """
+    kicks = kick_sizes.shape[0]
+    for kick in range(kicks + 1):  # the path up to each kick, and to the end
+        end = span if kick == kicks else kick_times[kick]
+        if end > now:
+            x = min(max(x, -below), above)
+            state, gauss = normal(state)
+            variance = noise2 * (end - now)
+            y = x + slope * (end - now) + math.sqrt(variance) * gauss
+            if stays_inside(x, y, above, below, variance):
+                x, now = y, end
+            else:
+                state, written, x, now = follow(
+                    state, x, y, now, end, noise2, above, below, period, reset_sigma,
+                    address, offset, cuts, keys, written,
+                )  # fmt: skip
+                if written < 0:
+                    return written, x, now
+        if kick < kicks and now <= end:  # in its dead time a pixel memorises the kick
+            x += kick_sizes[kick]
+    return written, x, now
 
 
 @kernel
@@ -116,27 +230,26 @@ def follow(
     Fills keys[written:]. Returns (state, written, voltage at the end, time from which the pixel is free: end,
     or later by what is left of its dead time); written is -1 when keys is full.
     """
-    times, voltages = cuts[0], cuts[1]
-    times[0], voltages[0] = end, y
+    cuts[0, 0], cuts[1, 0] = end, y
     depth, now, fallen = 0, begin, 0.0  # fallen: what resets have subtracted from the path so far
     while depth >= 0:
-        left = times[depth] - now
-        stop = voltages[depth] - fallen
+        left = cuts[0, depth] - now
+        stop = cuts[1, depth] - fallen
         variance = noise2 * left
         if depth < DEEPEST and needs_cut(x, stop, above, below, variance):
             state, gauss = normal(state)
             depth += 1
-            times[depth] = now + 0.5 * left
-            voltages[depth] = 0.5 * (x + stop) + 0.5 * math.sqrt(variance) * gauss + fallen
+            cuts[0, depth] = now + 0.5 * left
+            cuts[1, depth] = 0.5 * (x + stop) + 0.5 * math.sqrt(variance) * gauss + fallen
             continue
         state, side, time = exit_of_bridge(state, x, stop, left, variance, above, below)
         if side == 0:
-            now, x = times[depth], stop
+            now, x = cuts[0, depth], stop
             depth -= 1
             continue
         if written == keys.shape[0]:
             return state, -1, 0.0, now
-        now = min(now + time, times[depth])
+        now = min(now + time, cuts[0, depth])
         keys[written] = event_key(offset + now, address, side)
         written += 1
         path = fallen + (above if side > 0 else -below)  # where the path would be without resets
@@ -153,14 +266,13 @@ def follow(
 @kernel
 def wait(state: Any, depth: Any, now: Any, path: Any, period: Any, noise2: Any, cuts: Any) -> Any:
     """Let the path go on through the dead time. Returns (state, depth, time, path) at its end."""
-    times, voltages = cuts[0], cuts[1]
     resume = now + period
-    while depth >= 0 and times[depth] <= resume:
-        now, path = times[depth], voltages[depth]
+    while depth >= 0 and cuts[0, depth] <= resume:
+        now, path = cuts[0, depth], cuts[1, depth]
         depth -= 1
     if depth >= 0:
-        left = times[depth] - now
+        left = cuts[0, depth] - now
         share = (resume - now) / left
         state, gauss = normal(state)
-        path += share * (voltages[depth] - path) + math.sqrt(noise2 * left * share * (1.0 - share)) * gauss
+        path += share * (cuts[1, depth] - path) + math.sqrt(noise2 * left * share * (1.0 - share)) * gauss
     return state, depth, resume, path
