@@ -113,8 +113,8 @@ def needs_cut(x: Any, y: Any, above: Any, below: Any, variance: Any) -> Any:
 def stays_inside(x: Any, y: Any, above: Any, below: Any, variance: Any) -> Any:
     """True when a bridge from x to y touches a barrier with probability below MISS: most that were near."""
     limit = -0.5 * LOG_MISS * variance
-    ends_inside = y < above and y > -below and x < above and x > -below
-    return ends_inside and (above - x) * (above - y) > limit and (x + below) * (y + below) > limit
+    ends_inside = (y < above) & (y > -below) & (x < above) & (x > -below)
+    return ends_inside & ((above - x) * (above - y) > limit) & ((x + below) * (y + below) > limit)
 
 
 @kernel

@@ -72,9 +72,9 @@ def cross(
     written = 0
     kicked = kick_sizes.shape[0] > 0
     plain = period == 0.0 and reset_sigma == 0.0 and not kicked
-    states, touching = np.empty(BLOCK, np.uint64), np.empty(BLOCK + 1, np.int32)
-    start, end, time, hold = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK)
-    side, cuts = np.empty(BLOCK, np.int8), np.empty((2, DEEPEST + 1))
+    states, touching, side = np.empty(BLOCK, np.uint64), np.empty(BLOCK + 1, np.int32), np.empty(BLOCK, np.int8)
+    start, end, a, b = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK)
+    noise2, time, hold, cuts = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK), np.empty((2, DEEPEST + 1))
     for begin in range(first, count, BLOCK):
         pixels = near[begin : min(begin + BLOCK, count)]
         n, done = pixels.shape[0], written
@@ -82,36 +82,34 @@ def cross(
             return begin, written
         sequences(key, pixel0, pixels, states)
         normals(states[:n], start[:n], end[:n])
-        draw_ends(voltage, pending, drift, noise, span, above, below, pixels, start, end)
-        count_touching = find_touching(noise, span, above, below, held, pixels, start, end, kicked, touching)
-        crossing_times(
-            noise, span, above, below, pixels, touching[:count_touching], states, start, end, plain, side, time
-        )
-        for c in range(count_touching):
+        draw_ends(voltage, pending, drift, noise, span, above, below, pixels, start, end, a, b, noise2)
+        touches = find_touching(start[:n], end, a, b, noise2, span, held, pixels, kicked, touching)
+        crossing_times(touching[:touches], states, start, end, a, b, noise2, span, plain, side, time)
+        for c in range(touches):
             k = touching[c]
             i = pixels[k]
-            a, b = np.float64(above[i]), np.float64(below[i])
-            noise2 = np.float64(noise[i]) * np.float64(noise[i])
             address = event_address(pixel0 + i, width)
-            if kicked or held[i] > 0.0:
-                row = i // width if kicked else 0
-                done, y, now = walk(
-                    states[k], start[k], np.float64(drift[i]) / span, np.float64(held[i]), span, noise2, a, b,
-                    period, reset_sigma, kick_times[:, row], kick_sizes, address, offset, cuts, keys, done,
-                )  # fmt: skip
-            elif side[c] == 0:
-                done, y, now = follow(
-                    states[k], start[k], end[k], 0.0, span, noise2, a, b, period, reset_sigma,
-                    address, offset, cuts, keys, done,
-                )[1:]  # fmt: skip
-            else:
+            if plain and side[c] != 0:
                 keys[done] = event_key(offset + time[c], address, side[c])
                 done += 1
-                now, y = time[c], end[k] - (a if side[c] > 0 else -b)
-                if not stays_inside(0.0, y, a, b, noise2 * (span - now)):
+                now, y = time[c], end[k] - (a[k] if side[c] > 0 else -b[k])
+                if not stays_inside(0.0, y, a[k], b[k], noise2[k] * (span - now)):
                     done, y, now = follow(
-                        states[k], 0.0, y, now, span, noise2, a, b, 0.0, 0.0, address, offset, cuts, keys, done
-                    )[1:]
+                        states[k], 0.0, y, now, span, noise2[k], a[k], b[k], 0.0, 0.0,
+                        address, offset, cuts, keys, done,
+                    )[1:]  # fmt: skip
+            elif kicked or held[i] > 0.0:
+                row = i // width if kicked else 0
+                done, y, now = walk(
+                    states[k], start[k], np.float64(drift[i]) / span, np.float64(held[i]), span, noise2[k],
+                    a[k], b[k], period, reset_sigma, kick_times[:, row], kick_sizes,
+                    address, offset, cuts, keys, done,
+                )  # fmt: skip
+            else:
+                done, y, now = follow(
+                    states[k], start[k], end[k], 0.0, span, noise2[k], a[k], b[k], period, reset_sigma,
+                    address, offset, cuts, keys, done,
+                )[1:]  # fmt: skip
             if done < 0 or done + n > keys.shape[0]:
                 return begin, written
             end[k], hold[c] = y, max(now - span, 0.0)
@@ -119,7 +117,7 @@ def cross(
             voltage[pixels[k]] = end[k]
             pending[pixels[k]] = 0.0
         if period > 0.0:
-            for c in range(count_touching):
+            for c in range(touches):
                 held[pixels[touching[c]]] = hold[c]
         written = done
     return count, written
@@ -128,44 +126,46 @@ def cross(
 @kernel
 def draw_ends(
     voltage: Any, pending: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any, pixels: Any,
-    start: Any, end: Any,
+    start: Any, end: Any, a: Any, b: Any, noise2: Any,
 ) -> None:  # fmt: skip
-    """start, end (n,): standard normal numbers to the voltages at the two ends of each path, before resets."""
+    """start, end: standard normal numbers to the voltages at the two ends of each path, before resets.
+
+    a, b, noise2: filled with the distances of the barriers from 0 and sigma^2. All (n,) float64.
+    """
     root = math.sqrt(span)
     for k in range(pixels.shape[0]):
         i = pixels[k]
+        sigma = np.float64(noise[i])
+        a[k], b[k], noise2[k] = above[i], below[i], sigma * sigma
         x = np.float64(voltage[i]) + math.sqrt(np.float64(pending[i])) * start[k]
-        # beyond a barrier by rounding, by a kick, or where a threshold was lowered
-        x = min(max(x, -np.float64(below[i])), np.float64(above[i]))
-        start[k] = x
-        end[k] = x + np.float64(drift[i]) + np.float64(noise[i]) * root * end[k]
+        x = min(max(x, -b[k]), a[k])  # beyond by rounding, by a kick, or where a threshold was lowered
+        start[k], end[k] = x, x + np.float64(drift[i]) + sigma * root * end[k]
 
 
 @kernel
 def find_touching(
-    noise: Any, span: Any, above: Any, below: Any, held: Any, pixels: Any, start: Any, end: Any, kicked: Any,
+    start: Any, end: Any, a: Any, b: Any, noise2: Any, span: Any, held: Any, pixels: Any, kicked: Any,
     touching: Any,
 ) -> Any:  # fmt: skip
-    """Fill touching with the places k of the paths that may touch a barrier, or need more care; their number."""
+    """Fill touching with the places of the paths that may touch a barrier, or need more care; their number."""
+    inside = np.empty(start.shape[0], np.bool_)
+    for k in range(start.shape[0]):
+        inside[k] = stays_inside(start[k], end[k], a[k], b[k], noise2[k] * span)
     count = 0
-    for k in range(pixels.shape[0]):
-        i = pixels[k]
-        variance = np.float64(noise[i]) * np.float64(noise[i]) * span
-        inside = stays_inside(start[k], end[k], np.float64(above[i]), np.float64(below[i]), variance)
+    for k in range(start.shape[0]):
         touching[count] = k
-        count += kicked or held[i] > 0.0 or not inside
+        count += kicked or held[pixels[k]] > 0.0 or not inside[k]
     return count
 
 
 @kernel
 def crossing_times(
-    noise: Any, span: Any, above: Any, below: Any, pixels: Any, touching: Any, states: Any, start: Any, end: Any,
-    plain: Any, side: Any, time: Any,
+    touching: Any, states: Any, start: Any, end: Any, a: Any, b: Any, noise2: Any, span: Any, plain: Any,
+    side: Any, time: Any,
 ) -> None:  # fmt: skip
     """For paths that surely cross one barrier and cannot reach the other: side (+1, -1) and time; else side 0."""
     n = touching.shape[0]
-    side[:n] = 0
-    if not plain:
+    if not plain or n == 0:
         return
     own, gauss, spare, u = np.empty(n, np.uint64), np.empty(n), np.empty(n), np.empty(n)
     for c in range(n):
@@ -174,15 +174,14 @@ def crossing_times(
     uniforms(own, u)
     for c in range(n):
         k = touching[c]
-        i = pixels[k]
         states[k] = own[c]
-        a, b = np.float64(above[i]), np.float64(below[i])
-        variance = np.float64(noise[i]) * np.float64(noise[i]) * span
+        variance = noise2[k] * span
         x, y = start[k], end[k]
-        on = y >= a
-        distance, beyond = (a - x, y - a) if on else (x + b, -b - y)
-        other = (x + b) * (y + b) if on else (a - x) * (a - y)
-        sure = beyond >= 0.0 and distance > 0.0 and other >= -0.5 * LOG_MISS * variance
+        on = y >= a[k]
+        distance = a[k] - x if on else x + b[k]
+        beyond = y - a[k] if on else -b[k] - y
+        other = (x + b[k]) * (y + b[k]) if on else (a[k] - x) * (a[k] - y)
+        sure = (beyond >= 0.0) & (distance > 0.0) & (other >= -0.5 * LOG_MISS * variance)
         side[c] = (1 if on else -1) if sure else 0
         time[c] = span * touching_share(distance, beyond, variance, gauss[c], u[c])
 
