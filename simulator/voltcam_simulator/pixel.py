@@ -25,6 +25,15 @@ DEEPEST = 64
 
 
 @kernel
+def take_over(light: Any, response: Any, drift: Any, last_light: Any, last_response: Any) -> None:
+    """Add the change of response to the drift; the new light and response become the last. (pixels,) float32."""
+    for i in range(drift.shape[0]):
+        drift[i] += response[i] - last_response[i]
+        last_response[i] = response[i]
+        last_light[i] = light[i]
+
+
+@kernel
 def gather(
     voltage: Any, pending: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any, held: Any,
     slack: Any, near: Any,
@@ -72,7 +81,11 @@ def cross(
     written = 0
     kicked = kick_sizes.shape[0] > 0
     plain = period == 0.0 and reset_sigma == 0.0 and not kicked
-    states, touching, side = np.empty(BLOCK, np.uint64), np.empty(BLOCK + 1, np.int32), np.empty(BLOCK, np.int8)
+    states, touching, side = (
+        np.empty(BLOCK, np.uint64),
+        np.empty(BLOCK + 1, np.int32),
+        np.empty(BLOCK, np.int8),
+    )
     start, end, a, b = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK)
     noise2, time, hold, cuts = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK), np.empty((2, DEEPEST + 1))
     for begin in range(first, count, BLOCK):

@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 from .effect import Band, Effect, Plane, Sensor, State, overrides
 from .paper_law import cross_by_paper
 from .parameters import Parameters
-from .pixel import cross, gather
+from .pixel import cross, gather, take_over
 from .random import CROSSINGS, START, interval_key
 from .stationary import start_voltage
 
 Law = Literal["exact", "paper"]
 Keys = NDArray[np.uint64]
+Image = NDArray[np.uint8] | Plane
 
 BAND_PIXELS = 32768  # few enough for the planes of a band to stay in cache, enough to drown the calls' cost
 
@@ -102,7 +103,7 @@ class PixelArray:
             self._response[pixels], held, sensor.theta_on.ravel()[pixels], sensor.theta_off.ravel()[pixels],
         )  # fmt: skip
 
-    def settle(self, image: Plane, t_us: int) -> None:
+    def settle(self, image: Image, t_us: int) -> None:
         """Show an image as if it had been there for long: light and response of that instant, no events."""
         for rows in self._bands:
             band = self._seen(rows, image, t_us, 0.0)
@@ -118,10 +119,12 @@ class PixelArray:
             band.start_us, band.span_us = t_us, 1.0
             band.light[:] = rows.light
             self._add_drift(band)
-            start_voltage(rows.voltage, band.drift, band.noise, rows.above, rows.below, key, rows.pixels.start)
+            start_voltage(
+                rows.voltage, band.drift, band.noise, rows.above, rows.below, key, rows.pixels.start
+            )
 
-    def step(self, image: Plane, start_us: int, offset_us: float, span_us: float, filled: int) -> int:
-        """From the last instant to the next, at which the sensor sees `image` (pixels,) float32 DN.
+    def step(self, image: Image, start_us: int, offset_us: float, span_us: float, filled: int) -> int:
+        """From the last instant to the next, at which the sensor sees `image` (pixels,) DN.
 
         The step starts offset_us after start_us. Keys of its events, timed from start_us, go behind the
         `filled` first of `keys`; returns the new number.
@@ -130,11 +133,8 @@ class PixelArray:
         for rows in self._bands:
             band = self._seen(rows, image, start_us + int(offset_us), span_us)
             self._add_drift(band)
-            if self._respond:
-                band.drift += band.response
-                band.drift -= rows.response
+            take_over(band.light, band.response, band.drift, rows.light, rows.response)
             filled = self._events(rows, key, offset_us, filled)
-            rows.light[:], rows.response[:] = band.light, band.response
         self._steps += 1
         self._elapsed_us += span_us
         return filled
@@ -143,7 +143,7 @@ class PixelArray:
         """The first `filled` event keys."""
         return self._keys[:filled]
 
-    def _seen(self, rows: _Rows, image: Plane, start_us: int, span_us: float) -> Band:
+    def _seen(self, rows: _Rows, image: Image, start_us: int, span_us: float) -> Band:
         """A band at the end of a step: light and response there."""
         band = rows.band
         band.start_us, band.span_us, band.elapsed_us = start_us, span_us, self._elapsed_us

@@ -3,13 +3,13 @@
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .cameras import SIDE_LIMIT
-from .effect import EVENT, Events, Plane, Readout, overrides
+from .effect import EVENT, Events, Readout, overrides
 from .event_key import TIME_BITS, unpack
 from .parameters import Parameters
-from .pixel_array import Law, PixelArray
+from .pixel_array import Image, Law, PixelArray
 
 LONGEST_INTERVAL_US = 2**TIME_BITS - 1
 
@@ -34,7 +34,7 @@ class Simulator:
             raise ValueError(f"seed {seed} is out of range: give 0 to 2^63 - 1")
         self.width, self.height, self.law, self.seed = width, height, law, seed
         self._pixels = PixelArray(width, height, law, seed)
-        self._frame: NDArray[np.generic] | None = None
+        self._frame: Image | None = None
         self._t_us = 0
         self._intervals = 0
         self._later = np.empty(0, EVENT)  # events that leave after the frame that is being shown
@@ -51,7 +51,7 @@ class Simulator:
         self._reports = [effect for effect in self._pixels.effects if overrides(effect, "report")]
         self._parameters = parameters
         if self._frame is not None:  # the same light gives another voltage now: that is no change of light
-            self._pixels.settle(flat(self._frame), self._t_us)
+            self._pixels.settle(self._frame.ravel(), self._t_us)
 
     def advance(self, frame: ArrayLike, t_us: int) -> Events:
         """The events between the last frame and this one, sorted by time.
@@ -70,7 +70,7 @@ class Simulator:
             raise ValueError(f"the frame at {t_us} us does not come after the last one at {self._t_us} us")
         if span_us > LONGEST_INTERVAL_US:
             raise ValueError(f"{span_us / 3.6e9:.0f} hours between two frames: at most 38 are possible")
-        filled = self._steps(flat(self._frame), flat(image), float(span_us))
+        filled = self._steps(self._frame.ravel(), image.ravel(), float(span_us))
         events = self._reported(self._sorted(filled), t_us)
         self._frame, self._t_us = image, t_us
         self._intervals += 1
@@ -80,19 +80,20 @@ class Simulator:
         """Go on from another frame and time, earlier or later, with no events for the change."""
         image = self._checked(frame)
         first = self._frame is None
-        self._pixels.settle(flat(image), t_us)
+        self._pixels.settle(image.ravel(), t_us)
         if first:
             self._pixels.start(t_us)
         self._frame, self._t_us = image, t_us
 
-    def _steps(self, before: Plane, after: Plane, span_us: float) -> int:
+    def _steps(self, before: Image, after: Image, span_us: float) -> int:
         """The interval in steps that are short enough for every effect; light goes in a straight line."""
         steps = max(1, math.ceil(span_us / self._pixels.longest_step_us))
         filled = 0
         for step in range(steps):
             start, end = span_us * step / steps, span_us * (step + 1) / steps
             share = np.float32((step + 1) / steps)
-            image = after if step + 1 == steps else before + share * (after - before)
+            last = step + 1 == steps
+            image = after if last else (1 - share) * before + share * after
             filled = self._pixels.step(image, self._t_us, start, end - start, filled)
         return filled
 
@@ -118,7 +119,7 @@ class Simulator:
             events, self._later = events[:leave], events[leave:].copy()
         return events
 
-    def _checked(self, frame: ArrayLike) -> NDArray[np.generic]:
+    def _checked(self, frame: ArrayLike) -> Image:
         """The frame as an own (height, width) array, uint8 or float32."""
         image = np.asarray(frame)
         if image.shape != (self.height, self.width):
@@ -133,8 +134,3 @@ class Simulator:
         if not (np.isfinite(plane).all() and plane.min() >= 0):
             raise ValueError("the frame has values that are negative or not finite: grey levels start at 0")
         return plane
-
-
-def flat(image: NDArray[np.generic]) -> Plane:
-    """(height, width) of uint8 or float32 to (pixels,) float32."""
-    return image.ravel().astype(np.float32, copy=False)
