@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
-from .random import events_generator, pattern
+from .random import events_generator, events_key, pattern
 
 EVENT = np.dtype([("t", "<i8"), ("x", "<u2"), ("y", "<u2"), ("p", "?")])
 """One event: t [us], x, y [pixels], p (True = ON). The same as the client's."""
@@ -60,6 +60,8 @@ class Sensor:
     leak: Plane | None = None  # factor on the leak of each pixel; None: 1 everywhere
     refractory_us: float = 0.0
     reset_sigma: float = 0.0
+    own: dict[str, State] = field(default_factory=dict)
+    """Patterns that only one effect reads, by its name."""
 
     def pattern(self, name: str) -> np.random.Generator:
         """Random numbers for one effect's pattern: repeatable, and not moved by other effects."""
@@ -89,7 +91,8 @@ class Band:
     noise2: Plane | None = None  # sigma^2 of independent noise [1/us]
     leak: Plane | None = None  # this band's part of the sensor's
     kicks: list[tuple[NDArray[np.float64], float]] = field(default_factory=list)
-    """Sudden changes of voltage: (time for each row of the band [us into the step], size [thresholds])."""
+    """Sudden changes of voltage: (time for each row of the band [us into the step], size [thresholds]).
+    A row whose time is not in (0, span_us] has it in another step."""
     planes: dict[str, State] = field(default_factory=dict)
     """State of each effect that has some: this band's part, kept from step to step."""
 
@@ -115,10 +118,20 @@ class Readout:
     interval: int
     state: dict[str, State]
     voltage: Plane  # (pixels,) voltages at the end of the interval, which an effect may change
+    light: Plane  # (pixels,) what the pixels see then [DN]
+
+    @property
+    def span_us(self) -> int:
+        """Length of the interval."""
+        return self.end_us - self.start_us
 
     def generator(self, name: str) -> np.random.Generator:
         """Random numbers for one effect in this interval."""
         return events_generator(self.sensor.seed, name, self.interval)
+
+    def key(self, name: str) -> np.uint64:
+        """The same for kernels: where the sequence of its numbers starts."""
+        return events_key(self.sensor.seed, name, self.interval)
 
 
 class Effect(BaseModel):
@@ -146,7 +159,7 @@ class Effect(BaseModel):
         return np.inf
 
     def state(self, sensor: Sensor) -> State:
-        """Arrays it keeps between calls; those of (height * width,) are handed out band by band."""
+        """Arrays it keeps between calls; float32 ones of (height * width,) are handed out band by band."""
         return {}
 
     def prepare(self, sensor: Sensor) -> None:
@@ -162,7 +175,12 @@ class Effect(BaseModel):
         """Add to the drift, noise and kicks of a band."""
 
     def report(self, events: Events, readout: Readout) -> Events:
-        """The events as they leave: some more, some less, some later. Times may lie beyond the interval."""
+        """The events as they go on: some more, some less, some later.
+
+        events: all that reach this stage in the interval, sorted by time; may be changed in place. Returns
+        them sorted by time. Those later than the end of the interval reach the next stage in the interval
+        in which they are due.
+        """
         return events
 
 

@@ -7,6 +7,7 @@ time after the frame's end gives no event: the residual grows by its share, sign
 over tau, and the next frame draws anew. That redrawing averages the noise: with x = mu T/theta the share of
 the way made in a frame of length T, the variance of the voltage is about sigma^2 T ln(1/x) where Brownian
 motion has sigma^2 T/x, so the spread of leak intervals shrinks as the frame rate grows.
+Dead time, reset noise and kicks are not part of it.
 """
 
 import math
@@ -52,10 +53,12 @@ def cross_by_paper(
             on = u < on_probability(mu, sigma2, up, down)
             distance = up if on else down
             tau = 0.0 if distance == 0.0 else np.inf
-            if sigma2 > 0.0 and distance > 0.0:
+            if sigma2 > 0.0 and 0.0 < distance < np.inf:
                 state, tau = inverse_gaussian(state, abs(mu) / distance, distance * distance / sigma2)
             elif mu != 0.0:
                 tau = distance / abs(mu)
+            if tau == np.inf:  # nothing moves it, or a dead pixel
+                break
             if now + tau >= span:
                 v += (distance if on else -distance) * (span - now) / tau
                 break

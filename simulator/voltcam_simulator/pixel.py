@@ -70,8 +70,9 @@ def cross(
     """Draw the paths of the pixels near[first:count] and pack their events into keys.
 
     key: `interval_key` of the step; pixel0: number of the band's first pixel; period [us]: dead time after an
-    event; reset_sigma: spread of the voltage after a reset. kick_times (kicks, rows) [us], ascending, and
-    kick_sizes (kicks,): sudden changes of voltage. offset [us]: start of the step in its interval.
+    event; reset_sigma: spread of the voltage after a reset. kick_times [us] and kick_sizes, (kicks, rows),
+    each row in order of time: sudden changes of voltage, which drift includes. offset [us]: start of the step
+    in its interval.
     Returns (pixels done, events written). Stops before a block of pixels whose events do not fit into keys
     (capacity,) uint64; call again with more room, the same numbers are drawn.
 
@@ -79,7 +80,7 @@ def cross(
     vectorises (`draw_ends`, `find_touching`, `crossing_times`); the rest is followed one by one.
     """
     written = 0
-    kicked = kick_sizes.shape[0] > 0
+    kicked = kick_times.shape[0] > 0
     plain = period == 0.0 and reset_sigma == 0.0 and not kicked
     states, touching, side = (
         np.empty(BLOCK, np.uint64),
@@ -102,7 +103,14 @@ def cross(
             k = touching[c]
             i = pixels[k]
             address = event_address(pixel0 + i, width)
-            if plain and side[c] != 0:
+            if kicked or held[i] > 0.0:
+                row = i // width if kicked else 0
+                done, y, now = walk(
+                    states[k], start[k], np.float64(drift[i]), np.float64(held[i]), span, noise2[k],
+                    a[k], b[k], period, reset_sigma, kick_times[:, row], kick_sizes[:, row],
+                    address, offset, cuts, keys, done,
+                )  # fmt: skip
+            elif plain and side[c] != 0:
                 keys[done] = event_key(offset + time[c], address, side[c])
                 done += 1
                 now, y = time[c], end[k] - (a[k] if side[c] > 0 else -b[k])
@@ -111,13 +119,6 @@ def cross(
                         states[k], 0.0, y, now, span, noise2[k], a[k], b[k], 0.0, 0.0,
                         address, offset, cuts, keys, done,
                     )[1:]  # fmt: skip
-            elif kicked or held[i] > 0.0:
-                row = i // width if kicked else 0
-                done, y, now = walk(
-                    states[k], start[k], np.float64(drift[i]) / span, np.float64(held[i]), span, noise2[k],
-                    a[k], b[k], period, reset_sigma, kick_times[:, row], kick_sizes,
-                    address, offset, cuts, keys, done,
-                )  # fmt: skip
             else:
                 done, y, now = follow(
                     states[k], start[k], end[k], 0.0, span, noise2[k], a[k], b[k], period, reset_sigma,
@@ -129,9 +130,8 @@ def cross(
         for k in range(n):
             voltage[pixels[k]] = end[k]
             pending[pixels[k]] = 0.0
-        if period > 0.0:
-            for c in range(touches):
-                held[pixels[touching[c]]] = hold[c]
+        for c in range(touches):
+            held[pixels[touching[c]]] = hold[c]
         written = done
     return count, written
 
@@ -201,17 +201,18 @@ def crossing_times(
 
 @kernel
 def walk(
-    state: Any, x: Any, slope: Any, now: Any, span: Any, noise2: Any, above: Any, below: Any, period: Any,
+    state: Any, x: Any, drift: Any, now: Any, span: Any, noise2: Any, above: Any, below: Any, period: Any,
     reset_sigma: Any, kick_times: Any, kick_sizes: Any, address: Any, offset: Any, cuts: Any, keys: Any,
     written: Any,
 ) -> Any:  # fmt: skip
     """The whole step of one pixel from voltage x, free from `now` on, with kicks, dead time and resets.
 
-    slope [1/us]. Returns (written, voltage at the end, time from which the pixel is free), as `follow`.
+    Returns (written, voltage at the end, time from which the pixel is free), as `follow`.
     """
     kicks = kick_sizes.shape[0]
+    slope = (drift - kick_sizes.sum()) / span
     for kick in range(kicks + 1):  # the path up to each kick, and to the end
-        end = span if kick == kicks else kick_times[kick]
+        end = span if kick == kicks else min(kick_times[kick], span)
         if end > now:
             x = min(max(x, -below), above)
             state, gauss = normal(state)

@@ -1,6 +1,7 @@
 """All pixels of a sensor: their state planes, and one step of all of them, band of rows by band of rows."""
 
-from dataclasses import dataclass
+import math
+from concurrent.futures import ThreadPoolExecutor
 from typing import Literal
 
 import numpy as np
@@ -11,47 +12,29 @@ from .paper_law import cross_by_paper
 from .parameters import Parameters
 from .pixel import cross, gather, take_over
 from .random import CROSSINGS, START, interval_key
+from .rows import Image, Keys, Room, Rows, kick_arrays
 from .stationary import start_voltage
 
 Law = Literal["exact", "paper"]
-Keys = NDArray[np.uint64]
-Image = NDArray[np.uint8] | Plane
 
 BAND_PIXELS = 32768  # few enough for the planes of a band to stay in cache, enough to drown the calls' cost
-
-
-@dataclass
-class _Rows:
-    """A band and the sensor's own planes at its place."""
-
-    band: Band
-    pixels: slice
-    voltage: Plane
-    pending: Plane
-    light: Plane
-    response: Plane
-    held: Plane
-    above: Plane
-    below: Plane
 
 
 class PixelArray:
     """State of width x height pixels, and what happens to it from one instant to the next."""
 
-    def __init__(self, width: int, height: int, law: Law, seed: int) -> None:
+    def __init__(self, width: int, height: int, law: Law, seed: int, threads: int) -> None:
         self.width, self.height, self.law, self.seed = width, height, law, seed
         pixels = width * height
         self.voltage = np.zeros(pixels, np.float32)
         self._pending = np.zeros(pixels, np.float32)  # variance gathered since a voltage was last drawn
-        self._light, self._response = np.zeros(pixels, np.float32), np.zeros(pixels, np.float32)
+        self.light, self._response = np.zeros(pixels, np.float32), np.zeros(pixels, np.float32)
         self._held = np.zeros(0, np.float32)  # dead time left [us], once there is any
         self.state: dict[str, State] = {}
-        self._band_rows = max(1, min(BAND_PIXELS // width, height))
-        band_pixels = self._band_rows * width
-        self._scratch = np.empty((4, band_pixels), np.float32)
-        self._free = np.zeros(band_pixels, np.float32)
-        self._near = np.empty(band_pixels + 1, np.int32)
-        self._keys = np.empty(8192, np.uint64)
+        shares = threads * math.ceil(pixels / BAND_PIXELS / threads)  # as many bands for each thread
+        self._band_rows = math.ceil(height / min(shares, height))
+        self._rooms = [Room(self._band_rows * width) for _ in range(threads)]
+        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
         self._steps, self._elapsed_us = 0, 0.0
 
     def configure(self, parameters: Parameters) -> None:
@@ -73,7 +56,8 @@ class PixelArray:
         self.longest_step_us = min(effect.longest_step_us for effect in self.effects)
         if sensor.refractory_us > 0 and self._held.size == 0:
             self._held = np.zeros_like(self.voltage)
-        self._bands = [self._rows(row) for row in range(0, self.height, self._band_rows)]
+        starts = range(0, self.height, self._band_rows)
+        self._bands = [self._rows(row, self._rooms[i % len(self._rooms)]) for i, row in enumerate(starts)]
 
     def _by_law(self, effect: Effect) -> Effect:
         """The paper's law is defined with the linearised response."""
@@ -81,25 +65,25 @@ class PixelArray:
             return effect.model_copy(update={"response": "linearised"})
         return effect
 
-    def _rows(self, first_row: int) -> _Rows:
-        """The band that starts at a row."""
+    def _rows(self, first_row: int, room: Room) -> Rows:
+        """The band that starts at a row, in a thread's room."""
         end_row = min(first_row + self._band_rows, self.height)
         pixels = slice(first_row * self.width, end_row * self.width)
         size = pixels.stop - pixels.start
         sensor = self.sensor
-        light, response, drift, noise = self._scratch[:, :size]
+        light, response, drift, noise = room.planes[:, :size]
         band = Band(
             sensor, first_row, 0, 0.0, 0.0, sensor.temperature_c,
-            self._light[pixels], light, response, drift, noise,
+            self.light[pixels], light, response, drift, noise,
             leak=None if sensor.leak is None else sensor.leak.ravel()[pixels],
             planes={
-                name: {key: array[pixels] for key, array in state.items() if array.size == self.voltage.size}
+                name: {k: a[pixels] if is_plane(a, self.voltage) else a for k, a in state.items()}
                 for name, state in self.state.items()
             },
         )  # fmt: skip
-        held = self._held[pixels] if self._held.size else self._free[:size]
-        return _Rows(
-            band, pixels, self.voltage[pixels], self._pending[pixels], self._light[pixels],
+        held = self._held[pixels] if self._held.size else room.free[:size]
+        return Rows(
+            room, band, pixels, self.voltage[pixels], self._pending[pixels], self.light[pixels],
             self._response[pixels], held, sensor.theta_on.ravel()[pixels], sensor.theta_off.ravel()[pixels],
         )  # fmt: skip
 
@@ -123,27 +107,48 @@ class PixelArray:
                 rows.voltage, band.drift, band.noise, rows.above, rows.below, key, rows.pixels.start
             )
 
-    def step(self, image: Image, start_us: int, offset_us: float, span_us: float, filled: int) -> int:
+    def forget_events(self) -> None:
+        """Empty what effects keep of events on their way: queues, times."""
+        for effect in self.effects:
+            if overrides(effect, "report") and overrides(effect, "state"):
+                self.state[effect.name] = effect.state(self.sensor)
+
+    def step(self, image: Image, start_us: int, offset_us: float, span_us: float) -> None:
         """From the last instant to the next, at which the sensor sees `image` (pixels,) DN.
 
-        The step starts offset_us after start_us. Keys of its events, timed from start_us, go behind the
-        `filled` first of `keys`; returns the new number.
+        The step starts offset_us after start_us, from which its events are timed.
         """
         key = interval_key(self.seed, CROSSINGS, self._steps)
-        for rows in self._bands:
-            band = self._seen(rows, image, start_us + int(offset_us), span_us)
-            self._add_drift(band)
-            take_over(band.light, band.response, band.drift, rows.light, rows.response)
-            filled = self._events(rows, key, offset_us, filled)
+
+        def share(room: Room) -> None:
+            for rows in self._bands:
+                if rows.room is room:
+                    band = self._seen(rows, image, start_us + int(offset_us), span_us)
+                    self._add_drift(band)
+                    take_over(band.light, band.response, band.drift, rows.light, rows.response)
+                    self._draw_events(rows, key, offset_us)
+
+        if self._pool is None:
+            share(self._rooms[0])
+        else:
+            list(self._pool.map(share, self._rooms))
         self._steps += 1
         self._elapsed_us += span_us
-        return filled
 
-    def keys(self, filled: int) -> Keys:
-        """The first `filled` event keys."""
-        return self._keys[:filled]
+    def take_keys(self) -> Keys:
+        """The event keys of the steps since the last call."""
+        taken = [room.take_keys() for room in self._rooms]
+        return taken[0] if len(taken) == 1 else np.concatenate(taken)
 
-    def _seen(self, rows: _Rows, image: Image, start_us: int, span_us: float) -> Band:
+    @property
+    def state_bytes(self) -> int:
+        """Memory of all planes and of the room for events."""
+        own = [self.voltage, self._pending, self.light, self._response, self._held]
+        own += [self.sensor.theta_on, self.sensor.theta_off]
+        own += [array for state in self.state.values() for array in state.values()]
+        return sum(array.nbytes for array in own) + sum(room.nbytes for room in self._rooms)
+
+    def _seen(self, rows: Rows, image: Image, start_us: int, span_us: float) -> Band:
         """A band at the end of a step: light and response there."""
         band = rows.band
         band.start_us, band.span_us, band.elapsed_us = start_us, span_us, self._elapsed_us
@@ -165,43 +170,28 @@ class PixelArray:
         if band.noise2 is not None:
             np.sqrt(band.noise * band.noise + band.noise2, out=band.noise)
 
-    def _events(self, rows: _Rows, key: np.uint64, offset_us: float, filled: int) -> int:
-        """Follow a band's voltages over the step; its event keys go behind the `filled` first."""
-        band, sensor = rows.band, self.sensor
-        voltage, above, below, held, near = rows.voltage, rows.above, rows.below, rows.held, self._near
-        drift, noise, span_us = band.drift, band.noise, band.span_us
-        done, count = 0, voltage.size
-        if self.law == "exact":
-            times, sizes = kick_arrays(band)
-            slack = np.float32(np.abs(sizes).sum())
-            count = gather(
-                voltage, rows.pending, drift, noise, np.float32(span_us), above, below, held, slack, near
-            )
-        while done < count:
-            keys = self._keys[filled:]
-            if self.law == "exact":
-                done, written = cross(
-                    voltage, rows.pending, drift, noise, span_us, above, below, held, near, done, count,
-                    key, rows.pixels.start, self.width, sensor.refractory_us, sensor.reset_sigma, times, sizes,
-                    offset_us, keys,
-                )  # fmt: skip
-            else:
-                done, written = cross_by_paper(
-                    voltage, drift, noise, span_us, above, below, done, key, rows.pixels.start, self.width,
-                    offset_us, keys,
-                )  # fmt: skip
-            filled += written
-            if done < count:
-                self._keys = np.concatenate([self._keys, np.empty_like(self._keys)])
-        return filled
+    def _draw_events(self, rows: Rows, key: np.uint64, offset_us: float) -> None:
+        """Follow a band's voltages over the step; its event keys go into its room."""
+        band, sensor, room = rows.band, self.sensor, rows.room
+        voltage, above, below, drift, noise = rows.voltage, rows.above, rows.below, band.drift, band.noise
+        span_us, pixel0 = band.span_us, rows.pixels.start
+        if self.law == "paper":
+            room.draw(voltage.size, lambda done, keys: cross_by_paper(
+                voltage, drift, noise, span_us, above, below, done, key, pixel0, self.width, offset_us, keys,
+            ))  # fmt: skip
+            return
+        times, sizes, slack = kick_arrays(band)
+        if len(sizes):
+            by_row = drift.reshape(-1, self.width)
+            by_row += sizes.sum(axis=0)[:, None]
+        pending, held, near = rows.pending, rows.held, room.near
+        count = gather(voltage, pending, drift, noise, np.float32(span_us), above, below, held, slack, near)
+        room.draw(count, lambda done, keys: cross(
+            voltage, pending, drift, noise, span_us, above, below, held, near, done, count, key, pixel0,
+            self.width, sensor.refractory_us, sensor.reset_sigma, times, sizes, offset_us, keys,
+        ))  # fmt: skip
 
 
-_NO_KICKS = np.empty((0, 1)), np.empty(0)
-
-
-def kick_arrays(band: Band) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """A band's kicks as (kicks, rows) times and (kicks,) sizes, in order of time."""
-    if not band.kicks:
-        return _NO_KICKS
-    kicks = sorted(band.kicks, key=lambda kick: float(kick[0][0]))
-    return np.array([times for times, _ in kicks]), np.array([size for _, size in kicks], np.float64)
+def is_plane(array: NDArray[np.generic], voltage: Plane) -> bool:
+    """True for a state that has a number for each pixel."""
+    return array.dtype == np.float32 and array.shape == voltage.shape

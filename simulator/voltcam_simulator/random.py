@@ -151,6 +151,11 @@ def events_generator(seed: int, name: str, interval: int) -> np.random.Generator
     )
 
 
+def events_key(seed: int, name: str, interval: int) -> np.uint64:
+    """The same as the start of a sequence for kernels."""
+    return interval_key(seed, np.uint64(zlib.crc32(name.encode())), interval)
+
+
 def pattern(seed: int, name: str) -> np.random.Generator:
     """The numbers of a fixed pattern: the same for the same seed and effect, whatever else is on."""
     return np.random.default_rng([seed, zlib.crc32(name.encode())])

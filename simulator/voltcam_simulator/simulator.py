@@ -8,8 +8,10 @@ from numpy.typing import ArrayLike
 from .cameras import SIDE_LIMIT
 from .effect import EVENT, Events, Readout, overrides
 from .event_key import TIME_BITS, unpack
+from .event_order import copied, merged
 from .parameters import Parameters
-from .pixel_array import Image, Law, PixelArray
+from .pixel_array import Law, PixelArray
+from .rows import Image
 
 LONGEST_INTERVAL_US = 2**TIME_BITS - 1
 
@@ -17,12 +19,18 @@ LONGEST_INTERVAL_US = 2**TIME_BITS - 1
 class Simulator:
     """A sensor of width x height pixels, by `law` "exact" (Brownian motion itself) or "paper".
 
-    The same seed gives the same events. `parameters` may be assigned between two frames and hold for all
+    The same seed gives the same events, for any number of threads. `parameters` may be assigned between two frames and hold for all
     that follows; voltages are kept.
     """
 
     def __init__(
-        self, width: int, height: int, parameters: Parameters | None = None, law: Law = "exact", seed: int = 0
+        self,
+        width: int,
+        height: int,
+        parameters: Parameters | None = None,
+        law: Law = "exact",
+        seed: int = 0,
+        threads: int = 1,
     ) -> None:
         if not (1 <= width <= SIDE_LIMIT and 1 <= height <= SIDE_LIMIT):
             raise ValueError(
@@ -33,12 +41,17 @@ class Simulator:
         if not 0 <= seed < 2**63:
             raise ValueError(f"seed {seed} is out of range: give 0 to 2^63 - 1")
         self.width, self.height, self.law, self.seed = width, height, law, seed
-        self._pixels = PixelArray(width, height, law, seed)
+        self._pixels = PixelArray(width, height, law, seed, threads)
         self._frame: Image | None = None
         self._t_us = 0
         self._intervals = 0
-        self._later = np.empty(0, EVENT)  # events that leave after the frame that is being shown
+        self._waiting: dict[str, Events] = {}  # by effect: events it has given out that are not due yet
         self.parameters = parameters if parameters is not None else Parameters()
+
+    @property
+    def state_bytes(self) -> int:
+        """Memory of the state and of the room for the events of an interval."""
+        return self._pixels.state_bytes
 
     @property
     def parameters(self) -> Parameters:
@@ -48,7 +61,7 @@ class Simulator:
     @parameters.setter
     def parameters(self, parameters: Parameters) -> None:
         self._pixels.configure(parameters)
-        self._reports = [effect for effect in self._pixels.effects if overrides(effect, "report")]
+        self._reports = [effect for effect in parameters.effects() if overrides(effect, "report")]
         self._parameters = parameters
         if self._frame is not None:  # the same light gives another voltage now: that is no change of light
             self._pixels.settle(self._frame.ravel(), self._t_us)
@@ -70,53 +83,65 @@ class Simulator:
             raise ValueError(f"the frame at {t_us} us does not come after the last one at {self._t_us} us")
         if span_us > LONGEST_INTERVAL_US:
             raise ValueError(f"{span_us / 3.6e9:.0f} hours between two frames: at most 38 are possible")
-        filled = self._steps(self._frame.ravel(), image.ravel(), float(span_us))
-        events = self._reported(self._sorted(filled), t_us)
+        self._steps(self._frame.ravel(), image.ravel(), span_us)
+        events = self._reported(self._sorted(), t_us)
         self._frame, self._t_us = image, t_us
         self._intervals += 1
         return events
 
     def jump(self, frame: ArrayLike, t_us: int) -> None:
-        """Go on from another frame and time, earlier or later, with no events for the change."""
+        """Go on from another frame and time, earlier or later, with no events for the change.
+
+        A new time line begins: events of the old one that are still on their way are lost.
+        """
         image = self._checked(frame)
         first = self._frame is None
         self._pixels.settle(image.ravel(), t_us)
         if first:
             self._pixels.start(t_us)
+        self._pixels.forget_events()
+        self._waiting.clear()
         self._frame, self._t_us = image, t_us
 
-    def _steps(self, before: Image, after: Image, span_us: float) -> int:
+    def _steps(self, before: Image, after: Image, span_us: int) -> None:
         """The interval in steps that are short enough for every effect; light goes in a straight line."""
-        steps = max(1, math.ceil(span_us / self._pixels.longest_step_us))
-        filled = 0
-        for step in range(steps):
-            start, end = span_us * step / steps, span_us * (step + 1) / steps
-            share = np.float32((step + 1) / steps)
-            last = step + 1 == steps
-            image = after if last else (1 - share) * before + share * after
-            filled = self._pixels.step(image, self._t_us, start, end - start, filled)
-        return filled
+        steps = min(max(1, math.ceil(span_us / self._pixels.longest_step_us)), span_us)
+        start = 0
+        for step in range(1, steps + 1):
+            end = span_us * step // steps  # whole microseconds, so that effects agree on where steps meet
+            image = after  # of a step that ends earlier, on the straight line to it
+            if step < steps:
+                share = np.float32(end / span_us)
+                image = (1 - share) * before + share * after
+            self._pixels.step(image, self._t_us, float(start), float(end - start))
+            start = end
 
-    def _sorted(self, filled: int) -> Events:
-        keys = self._pixels.keys(filled)
+    def _sorted(self) -> Events:
+        keys = self._pixels.take_keys()
         keys.sort()
-        events = np.empty(filled, EVENT)
+        events = np.empty(keys.size, EVENT)
         unpack(keys, self._t_us, events["t"], events["x"], events["y"], events["p"])
         return events
 
     def _reported(self, events: Events, end_us: int) -> Events:
-        """What leaves the camera by end_us; what is later waits."""
-        if not self._reports:
-            return events
+        """What leaves the camera by end_us."""
         pixels = self._pixels
-        readout = Readout(pixels.sensor, self._t_us, end_us, self._intervals, pixels.state, pixels.voltage)
+        readout = Readout(
+            pixels.sensor, self._t_us, end_us, self._intervals, pixels.state, pixels.voltage, pixels.light
+        )
         for effect in self._reports:
-            events = effect.report(events, readout)
-        if len(self._later) or (len(events) and events["t"][-1] > end_us):
-            events = np.concatenate([self._later, events])
-            events = events[np.argsort(events["t"], kind="stable")]
-            leave = int(np.searchsorted(events["t"], end_us, side="right"))
-            events, self._later = events[:leave], events[leave:].copy()
+            if effect.active:
+                events = effect.report(events, readout)
+            events = self._due(effect.name, events, end_us)  # also of one just switched off
+        return events
+
+    def _due(self, stage: str, events: Events, end_us: int) -> Events:
+        """What an effect has given out, now and before, that is due by end_us; the rest waits."""
+        if stage in self._waiting:
+            events = merged(self._waiting.pop(stage), events)
+        if len(events) and events["t"][-1] > end_us:
+            due = int(np.searchsorted(events["t"], end_us, side="right"))
+            events, self._waiting[stage] = events[:due], copied(events[due:])
         return events
 
     def _checked(self, frame: ArrayLike) -> Image:

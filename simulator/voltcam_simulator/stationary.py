@@ -26,6 +26,8 @@ def start_voltage(
     leak events after 1/mu. Drawn by rejection from the uniform law.
     """
     for i in range(voltage.shape[0]):
+        if above[i] + below[i] == np.inf:
+            continue  # a dead pixel: it has no band
         state = sequence(key, pixel0 + i)
         mu, sigma = np.float64(drift[i]), np.float64(noise[i])
         side = 1.0 if mu >= 0.0 else -1.0
