@@ -77,18 +77,18 @@ def cross(
     (capacity,) uint64; call again with more room, the same numbers are drawn.
 
     Pixels go in blocks: what all of them need, and the usual single crossing, are loops that the compiler
-    vectorises (`draw_ends`, `find_touching`, `crossing_times`); the rest is followed one by one.
+    vectorises (`draw_ends`, `find_touching`, `first_crossings`); the rest is followed one by one.
     """
     written = 0
     kicked = kick_times.shape[0] > 0
-    plain = period == 0.0 and reset_sigma == 0.0 and not kicked
     states, touching, side = (
         np.empty(BLOCK, np.uint64),
         np.empty(BLOCK + 1, np.int32),
         np.empty(BLOCK, np.int8),
     )
     start, end, a, b = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK)
-    noise2, time, hold, cuts = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK), np.empty((2, DEEPEST + 1))
+    noise2, time, cuts = np.empty(BLOCK), np.empty(BLOCK), np.empty((2, DEEPEST + 1))
+    x, y, free = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK)
     for begin in range(first, count, BLOCK):
         pixels = near[begin : min(begin + BLOCK, count)]
         n, done = pixels.shape[0], written
@@ -98,40 +98,52 @@ def cross(
         normals(states[:n], start[:n], end[:n])
         draw_ends(voltage, pending, drift, noise, span, above, below, pixels, start, end, a, b, noise2)
         touches = find_touching(start[:n], end, a, b, noise2, span, held, pixels, kicked, touching)
-        crossing_times(touching[:touches], states, start, end, a, b, noise2, span, plain, side, time)
+        first_crossings(
+            touching[:touches],
+            states,
+            start,
+            end,
+            a,
+            b,
+            noise2,
+            span,
+            period,
+            reset_sigma,
+            side,
+            time,
+            x,
+            y,
+            free,
+        )
         for c in range(touches):
             k = touching[c]
             i = pixels[k]
             address = event_address(pixel0 + i, width)
             if kicked or held[i] > 0.0:
                 row = i // width if kicked else 0
-                done, y, now = walk(
+                done, y[c], free[c] = walk(
                     states[k], start[k], np.float64(drift[i]), np.float64(held[i]), span, noise2[k],
                     a[k], b[k], period, reset_sigma, kick_times[:, row], kick_sizes[:, row],
                     address, offset, cuts, keys, done,
                 )  # fmt: skip
-            elif plain and side[c] != 0:
-                keys[done] = event_key(offset + time[c], address, side[c])
-                done += 1
-                now, y = time[c], end[k] - (a[k] if side[c] > 0 else -b[k])
-                if not stays_inside(0.0, y, a[k], b[k], noise2[k] * (span - now)):
-                    done, y, now = follow(
-                        states[k], 0.0, y, now, span, noise2[k], a[k], b[k], 0.0, 0.0,
+            else:
+                if side[c] != 0:
+                    keys[done] = event_key(offset + time[c], address, side[c])
+                    done += 1
+                left = span - free[c]
+                if left > 0.0 and not stays_inside(x[c], y[c], a[k], b[k], noise2[k] * left):
+                    done, y[c], free[c] = follow(
+                        states[k], x[c], y[c], free[c], span, noise2[k], a[k], b[k], period, reset_sigma,
                         address, offset, cuts, keys, done,
                     )[1:]  # fmt: skip
-            else:
-                done, y, now = follow(
-                    states[k], start[k], end[k], 0.0, span, noise2[k], a[k], b[k], period, reset_sigma,
-                    address, offset, cuts, keys, done,
-                )[1:]  # fmt: skip
             if done < 0 or done + n > keys.shape[0]:
                 return begin, written
-            end[k], hold[c] = y, max(now - span, 0.0)
+            end[k] = y[c]
         for k in range(n):
             voltage[pixels[k]] = end[k]
             pending[pixels[k]] = 0.0
         for c in range(touches):
-            held[pixels[touching[c]]] = hold[c]
+            held[pixels[touching[c]]] = max(free[c] - span, 0.0)
         written = done
     return count, written
 
@@ -172,31 +184,43 @@ def find_touching(
 
 
 @kernel
-def crossing_times(
-    touching: Any, states: Any, start: Any, end: Any, a: Any, b: Any, noise2: Any, span: Any, plain: Any,
-    side: Any, time: Any,
+def first_crossings(
+    touching: Any, states: Any, start: Any, end: Any, a: Any, b: Any, noise2: Any, span: Any, period: Any,
+    reset_sigma: Any, side: Any, time: Any, x: Any, y: Any, free: Any,
 ) -> None:  # fmt: skip
-    """For paths that surely cross one barrier and cannot reach the other: side (+1, -1) and time; else side 0."""
+    """The first event of the paths that surely cross one barrier and cannot reach the other.
+
+    touching (n,): places of the paths. Fills side (+1 ON, -1 OFF, 0: not such a path) and time [us], and where
+    the path goes on: from voltage x at time free, after the dead time, to y at the end of the step.
+    """
     n = touching.shape[0]
-    if not plain or n == 0:
-        return
-    own, gauss, spare, u = np.empty(n, np.uint64), np.empty(n), np.empty(n), np.empty(n)
+    own, gauss, other, u, reset = np.empty(n, np.uint64), np.empty(n), np.empty(n), np.empty(n), np.zeros(n)
     for c in range(n):
         own[c] = states[touching[c]]
-    normals(own, gauss, spare)
+    normals(own, gauss, other)
     uniforms(own, u)
+    if reset_sigma > 0.0:
+        normals(own, reset, x[:n])
     for c in range(n):
         k = touching[c]
         states[k] = own[c]
-        variance = noise2[k] * span
-        x, y = start[k], end[k]
-        on = y >= a[k]
-        distance = a[k] - x if on else x + b[k]
-        beyond = y - a[k] if on else -b[k] - y
-        other = (x + b[k]) * (y + b[k]) if on else (a[k] - x) * (a[k] - y)
-        sure = (beyond >= 0.0) & (distance > 0.0) & (other >= -0.5 * LOG_MISS * variance)
+        above, below, begin, stop = a[k], b[k], start[k], end[k]
+        on = stop >= above
+        barrier = above if on else -below
+        distance = above - begin if on else begin + below
+        beyond = stop - above if on else -below - stop
+        reach = (begin + below) * (stop + below) if on else (above - begin) * (above - stop)
+        sure = (beyond >= 0.0) & (distance > 0.0) & (reach >= -0.5 * LOG_MISS * noise2[k] * span)
+        time[c] = span * touching_share(distance, beyond, noise2[k] * span, gauss[c], u[c])
+        left = span - time[c]
+        share = min(period / left, 1.0) if left > 0.0 else 1.0  # of what is left, in the dead time
+        path = barrier + share * (stop - barrier)
+        path += math.sqrt(noise2[k] * left * share * (1.0 - share)) * other[c]
+        level = min(max(reset_sigma * reset[c], -0.9 * below), 0.9 * above)
         side[c] = (1 if on else -1) if sure else 0
-        time[c] = span * touching_share(distance, beyond, variance, gauss[c], u[c])
+        free[c] = time[c] + period if sure else 0.0
+        x[c] = level if sure else begin
+        y[c] = level + stop - path if sure else stop
 
 
 @kernel
