@@ -71,7 +71,7 @@ def touching_time(state: Any, distance: Any, beyond: Any, span: Any, variance: A
 
 @kernel
 def touching_share(distance: Any, beyond: Any, variance: Any, gauss: Any, u: Any) -> Any:
-    """The share s/(1 + s) of the span, with s as `inverse_gaussian` draws it from a normal and a uniform number.
+    """The share s/(1 + s) of the span, s as `inverse_gaussian` makes it from a normal and a uniform number.
 
     Multiplied out, so that there is one division and no limit is special; distance > 0.
     """

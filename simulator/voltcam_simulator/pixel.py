@@ -26,7 +26,7 @@ DEEPEST = 64
 
 @kernel
 def take_over(light: Any, response: Any, drift: Any, last_light: Any, last_response: Any) -> None:
-    """Add the change of response to the drift; the new light and response become the last. (pixels,) float32."""
+    """Add the change of response to the drift; the new light and response become the last. (pixels,)."""
     for i in range(drift.shape[0]):
         drift[i] += response[i] - last_response[i]
         last_response[i] = response[i]
@@ -172,7 +172,7 @@ def find_touching(
     start: Any, end: Any, a: Any, b: Any, noise2: Any, span: Any, held: Any, pixels: Any, kicked: Any,
     touching: Any,
 ) -> Any:  # fmt: skip
-    """Fill touching with the places of the paths that may touch a barrier, or need more care; their number."""
+    """Fill touching with the places of paths that may touch a barrier, or need more care; their number."""
     inside = np.empty(start.shape[0], np.bool_)
     for k in range(start.shape[0]):
         inside[k] = stays_inside(start[k], end[k], a[k], b[k], noise2[k] * span)
@@ -190,8 +190,8 @@ def first_crossings(
 ) -> None:  # fmt: skip
     """The first event of the paths that surely cross one barrier and cannot reach the other.
 
-    touching (n,): places of the paths. Fills side (+1 ON, -1 OFF, 0: not such a path) and time [us], and where
-    the path goes on: from voltage x at time free, after the dead time, to y at the end of the step.
+    touching (n,): places of the paths. Fills side (+1 ON, -1 OFF, 0: not such a path), time [us], and where the
+    path goes on: from voltage x at time free, after the dead time, to y at the end of the step.
     """
     n = touching.shape[0]
     own, gauss, other, u, reset = np.empty(n, np.uint64), np.empty(n), np.empty(n), np.empty(n), np.zeros(n)

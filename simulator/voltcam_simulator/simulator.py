@@ -19,7 +19,8 @@ LONGEST_INTERVAL_US = 2**TIME_BITS - 1
 class Simulator:
     """A sensor of width x height pixels, by `law` "exact" (Brownian motion itself) or "paper".
 
-    The same seed gives the same events, for any number of threads. `parameters` may be assigned between two frames and hold for all
+    The same seed gives the same events, for any number of threads. `parameters` may be assigned between two
+    frames and hold for all
     that follows; voltages are kept.
     """
 
