@@ -36,13 +36,13 @@ def take_over(light: Any, response: Any, drift: Any, last_light: Any, last_respo
 @kernel
 def gather(
     voltage: Any, pending: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any, held: Any,
-    slack: Any, near: Any,
+    near: Any,
 ) -> Any:  # fmt: skip
     """Let drift and noise gather where no barrier is within reach.
 
-    All arrays (pixels,) float32; held: dead time left [us]; slack: how far the mean path may go beyond its
-    two ends; near (pixels + 1,) int32 receives the indices of the other pixels, which stay as they were.
-    Returns their number. Two loops, because the first is then vectorised.
+    All arrays (pixels,) float32; held: dead time left [us]. near (pixels + 1,) int32 receives the indices of
+    the other pixels, which stay as they were. Returns their number. Two loops, because the first is then
+    vectorised.
     """
     reach2 = np.float32(REACH * REACH)
     far = np.empty(voltage.shape[0], np.bool_)
@@ -50,7 +50,7 @@ def gather(
         start = voltage[i]
         end = start + drift[i]
         variance = pending[i] + noise[i] * noise[i] * span
-        closest = min(above[i] - max(start, end), below[i] + min(start, end)) - slack
+        closest = min(above[i] - max(start, end), below[i] + min(start, end))
         far[i] = (closest > 0) & (closest * closest > reach2 * variance) & (held[i] <= 0)
         voltage[i] = end if far[i] else start
         pending[i] = variance if far[i] else pending[i]
@@ -64,15 +64,15 @@ def gather(
 @kernel
 def cross(
     voltage: Any, pending: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any, held: Any,
-    near: Any, first: Any, count: Any, key: Any, pixel0: Any, width: Any, period: Any, reset_sigma: Any,
-    kick_times: Any, kick_sizes: Any, offset: Any, keys: Any,
+    slack: Any, near: Any, first: Any, count: Any, key: Any, pixel0: Any, width: Any, period: Any,
+    reset_sigma: Any, kick_times: Any, kick_sizes: Any, offset: Any, keys: Any,
 ) -> Any:  # fmt: skip
     """Draw the paths of the pixels near[first:count] and pack their events into keys.
 
     key: `interval_key` of the step; pixel0: number of the band's first pixel; period [us]: dead time after an
     event; reset_sigma: spread of the voltage after a reset. kick_times [us] and kick_sizes, (kicks, rows),
-    each row in order of time: sudden changes of voltage, which drift includes. offset [us]: start of the step
-    in its interval.
+    each row in order of time: sudden changes of voltage, which drift includes; slack (pixels,): more than 0
+    where there are some. offset [us]: start of the step in its interval.
     Returns (pixels done, events written). Stops before a block of pixels whose events do not fit into keys
     (capacity,) uint64; call again with more room, the same numbers are drawn.
 
@@ -80,7 +80,6 @@ def cross(
     vectorises (`draw_ends`, `find_touching`, `first_crossings`); the rest is followed one by one.
     """
     written = 0
-    kicked = kick_times.shape[0] > 0
     states, touching, side = (
         np.empty(BLOCK, np.uint64),
         np.empty(BLOCK + 1, np.int32),
@@ -97,7 +96,7 @@ def cross(
         sequences(key, pixel0, pixels, states)
         normals(states[:n], start[:n], end[:n])
         draw_ends(voltage, pending, drift, noise, span, above, below, pixels, start, end, a, b, noise2)
-        touches = find_touching(start[:n], end, a, b, noise2, span, held, pixels, kicked, touching)
+        touches = find_touching(start[:n], end, a, b, noise2, span, held, slack, pixels, touching)
         first_crossings(
             touching[:touches],
             states,
@@ -119,11 +118,11 @@ def cross(
             k = touching[c]
             i = pixels[k]
             address = event_address(pixel0 + i, width)
-            if kicked or held[i] > 0.0:
-                row = i // width if kicked else 0
+            if slack[i] > 0.0 or held[i] > 0.0:
+                row, kicks = (i // width, kick_times.shape[0]) if slack[i] > 0.0 else (0, 0)
                 done, y[c], free[c] = walk(
                     states[k], start[k], np.float64(drift[i]), np.float64(held[i]), span, noise2[k],
-                    a[k], b[k], period, reset_sigma, kick_times[:, row], kick_sizes[:, row],
+                    a[k], b[k], period, reset_sigma, kick_times[:kicks, row], kick_sizes[:kicks, row],
                     address, offset, cuts, keys, done,
                 )  # fmt: skip
             else:
@@ -169,7 +168,7 @@ def draw_ends(
 
 @kernel
 def find_touching(
-    start: Any, end: Any, a: Any, b: Any, noise2: Any, span: Any, held: Any, pixels: Any, kicked: Any,
+    start: Any, end: Any, a: Any, b: Any, noise2: Any, span: Any, held: Any, slack: Any, pixels: Any,
     touching: Any,
 ) -> Any:  # fmt: skip
     """Fill touching with the places of paths that may touch a barrier, or need more care; their number."""
@@ -179,7 +178,7 @@ def find_touching(
     count = 0
     for k in range(start.shape[0]):
         touching[count] = k
-        count += kicked or held[pixels[k]] > 0.0 or not inside[k]
+        count += slack[pixels[k]] > 0.0 or held[pixels[k]] > 0.0 or not inside[k]
     return count
 
 
@@ -190,8 +189,8 @@ def first_crossings(
 ) -> None:  # fmt: skip
     """The first event of the paths that surely cross one barrier and cannot reach the other.
 
-    touching (n,): places of the paths. Fills side (+1 ON, -1 OFF, 0: not such a path), time [us], and where the
-    path goes on: from voltage x at time free, after the dead time, to y at the end of the step.
+    touching (n,): places of the paths. Fills side (+1 ON, -1 OFF, 0: not such a path), time [us], and where
+    the path goes on: from voltage x at time free, after the dead time, to y at the end of the step.
     """
     n = touching.shape[0]
     own, gauss, other, u, reset = np.empty(n, np.uint64), np.empty(n), np.empty(n), np.empty(n), np.zeros(n)

@@ -81,7 +81,7 @@ class PixelArray:
                 for name, state in self.state.items()
             },
         )  # fmt: skip
-        held = self._held[pixels] if self._held.size else room.free[:size]
+        held = self._held[pixels] if self._held.size else room.zeros[:size]
         return Rows(
             room, band, pixels, self.voltage[pixels], self._pending[pixels], self.light[pixels],
             self._response[pixels], held, sensor.theta_on.ravel()[pixels], sensor.theta_off.ravel()[pixels],
@@ -180,15 +180,20 @@ class PixelArray:
                 voltage, drift, noise, span_us, above, below, done, key, pixel0, self.width, offset_us, keys,
             ))  # fmt: skip
             return
-        times, sizes, slack = kick_arrays(band)
+        times, sizes, row_slack = kick_arrays(band)
+        slack, reach_above, reach_below = room.zeros[: voltage.size], above, below
         if len(sizes):
             by_row = drift.reshape(-1, self.width)
             by_row += sizes.sum(axis=0)[:, None]
+            slack = np.repeat(row_slack, self.width)
+            reach_above, reach_below = above - slack, below - slack
         pending, held, near = rows.pending, rows.held, room.near
-        count = gather(voltage, pending, drift, noise, np.float32(span_us), above, below, held, slack, near)
+        count = gather(
+            voltage, pending, drift, noise, np.float32(span_us), reach_above, reach_below, held, near
+        )
         room.draw(count, lambda done, keys: cross(
-            voltage, pending, drift, noise, span_us, above, below, held, near, done, count, key, pixel0,
-            self.width, sensor.refractory_us, sensor.reset_sigma, times, sizes, offset_us, keys,
+            voltage, pending, drift, noise, span_us, above, below, held, slack, near, done, count, key,
+            pixel0, self.width, sensor.refractory_us, sensor.reset_sigma, times, sizes, offset_us, keys,
         ))  # fmt: skip
 
 

@@ -17,7 +17,7 @@ class Room:
 
     def __init__(self, pixels: int) -> None:
         self.planes = np.empty((4, pixels), np.float32)
-        self.free = np.zeros(pixels, np.float32)  # dead times of pixels that have none
+        self.zeros = np.zeros(pixels, np.float32)  # for pixels without dead times, without kicks
         self.near = np.empty(pixels + 1, np.int32)
         self._keys = np.empty(8192, np.uint64)
         self._filled = 0
@@ -39,7 +39,7 @@ class Room:
     @property
     def nbytes(self) -> int:
         """Memory it holds."""
-        return self.planes.nbytes + self.free.nbytes + self.near.nbytes + self._keys.nbytes
+        return self.planes.nbytes + self.zeros.nbytes + self.near.nbytes + self._keys.nbytes
 
 
 @dataclass(slots=True, eq=False)
@@ -58,17 +58,18 @@ class Rows:
     below: Plane
 
 
-NO_KICKS = np.empty((0, 1))
+NO_KICKS, NO_SLACK = np.empty((0, 1)), np.empty(0, np.float32)
 
 
-def kick_arrays(band: Band) -> tuple[NDArray[np.float64], NDArray[np.float64], np.float32]:
+def kick_arrays(band: Band) -> tuple[NDArray[np.float64], NDArray[np.float64], Plane]:
     """A band's kicks: times and sizes (kicks, rows), each row in order of time, and how far they lead astray.
 
     What a row does not have in this step stands at its end, at inf, with size 0. Astray is what the mean
-    path, straight between kicks, may go beyond its two ends: the largest sum of kicks up to or from a time.
+    path of each row, straight between kicks, may go beyond its two ends: the largest sum of kicks up to or
+    from a time, more than 0 where there is any kick.
     """
     if not band.kicks:
-        return NO_KICKS, NO_KICKS, np.float32(0)
+        return NO_KICKS, NO_KICKS, NO_SLACK
     times = np.stack([times for times, _ in band.kicks])
     sizes = np.repeat([[size] for _, size in band.kicks], times.shape[1], axis=1)
     elsewhere = (times <= 0) | (times > band.span_us)
@@ -77,4 +78,5 @@ def kick_arrays(band: Band) -> tuple[NDArray[np.float64], NDArray[np.float64], n
     times, sizes = np.take_along_axis(times, order, axis=0), np.take_along_axis(sizes, order, axis=0)
     before = np.cumsum(sizes, axis=0)
     after = before[-1] - before
-    return times, sizes, np.float32(max(np.abs(before).max(), np.abs(after).max()))
+    slack = np.maximum(np.abs(before).max(axis=0), np.abs(after).max(axis=0))
+    return times, sizes, slack.astype(np.float32)

@@ -52,11 +52,12 @@ def test_leak_events_lock_to_the_two_scans() -> None:
 
 
 def test_exposure_catches_on_where_it_begins_and_sets_off_free_where_it_ends() -> None:
-    """While a scene brightens all ON events come as an exposure begins or in it. While it darkens no OFF
-    comes in an exposure, and those that were due in its 4 of 10 ms come as it ends."""
+    """While a scene brightens ON events come in the exposure, 4 of 10 ms, or as it begins: all that are due
+    before the next. While it darkens OFF does not come in the exposure, but as it ends."""
     frame = {**FRAME, "exposure_us": 4000, "exposure_kick": 0.3}
     begins = int(HEIGHT * ROW_US)
-    parameters = only(contrast_response={"k1": 20}, aps_coupling=frame)
+    # reset noise spreads the instants at which events are due over more than a frame
+    parameters = only(contrast_response={"k1": 20}, reset_noise={"sigma": 0.15}, aps_coupling=frame)
     brightening = 30 * (220 / 30) ** np.linspace(0, 1, 300) - 20  # 39.8 thresholds in 3 s, 0.13 in a frame
     for light in (brightening, brightening[::-1]):
         simulator = Simulator(WIDTH, HEIGHT, parameters, seed=1)
@@ -67,7 +68,7 @@ def test_exposure_catches_on_where_it_begins_and_sets_off_free_where_it_ends() -
         if light[0] < light[-1]:
             assert events["p"].all()
             assert ((phase >= begins) & (phase <= begins + 4000)).all()
-            assert (phase == begins).mean() > 0.9
+            assert (phase == begins).mean() == pytest.approx(0.6, abs=0.02)
         else:
             assert not events["p"].any()
             assert not ((phase > begins) & (phase < begins + 4000)).any()
@@ -76,7 +77,7 @@ def test_exposure_catches_on_where_it_begins_and_sets_off_free_where_it_ends() -
 
 @pytest.mark.parametrize("pieces", [2, 7, 33, 500, 20_000])
 def test_every_kick_comes_once_however_time_is_cut(pieces: int) -> None:
-    """From one interval with 200 frames to intervals of a few rows' time: nothing is random, so events are the
+    """From one interval with 200 frames to intervals of a few rows' time. Nothing is random: events are the
     same but for the rounding of voltages at each cut, which moves few of them to the kick before or behind.
     One kick too many or too few would shift all later events of a row by two frames or more."""
     parameters = leaky(reset_kick=0.06, readout_kick=0.09, exposure_kick=0.05)
@@ -93,13 +94,33 @@ def test_every_kick_comes_once_however_time_is_cut(pieces: int) -> None:
 
 
 def test_a_kick_on_the_very_boundary_of_two_intervals_comes_once() -> None:
-    """Rows of 40 us and intervals that end with each; a kick of half a threshold sets off half the pixels."""
+    """Rows of 40 us and intervals that end with each; a kick of half a threshold sets off half the pixels, in
+    both bands of rows that a sensor of this width is worked in."""
     on_the_grid = {"row_us": 40, "offset_us": 0, "readout_kick": 0.5}
     parameters = only(junction_leak={"k4_per_us": 1e-9}, aps_coupling={**FRAME, **on_the_grid})
-    simulator = Simulator(WIDTH, HEIGHT, parameters, seed=5)
-    events = np.concatenate([simulator.advance(still(9, WIDTH, HEIGHT), t) for t in range(0, 10_000, 20)])
-    assert stats.binomtest(len(events), WIDTH * HEIGHT, 0.5).pvalue > 1e-4
+    simulator = Simulator(400, HEIGHT, parameters, seed=5)
+    events = np.concatenate([simulator.advance(still(9, 400, HEIGHT), t) for t in range(0, 10_000, 20)])
+    assert stats.binomtest(len(events), 400 * HEIGHT, 0.5).pvalue > 1e-4
     assert (events["t"] == events["y"].astype(int) * 40 + HEIGHT * 40 + EXPOSURE_US).all()
+
+
+@pytest.mark.parametrize(("dead_us", "again"), [(0, False), (600, True)])
+def test_a_kick_that_is_taken_back_in_the_dead_time_is_memorised(dead_us: float, again: bool) -> None:
+    """The first exposure sets off a pixel, which stands half a threshold below 0 when it ends, unless held.
+    Then light brings 0.9 and the next exposure 0.5."""
+    parameters = only(
+        contrast_response={"k1": 1}, refractory_period={"period_us": dead_us},
+        aps_coupling={**FRAME, "offset_us": 0, "exposure_kick": 0.5},
+    )  # fmt: skip
+    simulator = Simulator(WIDTH, HEIGHT, parameters, seed=1)
+    simulator.advance(still(100, WIDTH, HEIGHT), 0)
+    first = simulator.advance(still(100, WIDTH, HEIGHT), 5000)
+    assert (first["t"] == int(HEIGHT * ROW_US)).all()
+    simulator.advance(still(120 * np.exp(0.9) - 20, WIDTH, HEIGHT), 9000)
+    second = simulator.advance(still(120 * np.exp(0.9) - 20, WIDTH, HEIGHT), 15_000)
+    fired = np.isin(first["y"] * WIDTH + first["x"], second["y"] * WIDTH + second["x"])
+    assert len(first) > 100
+    assert fired.all() if again else not fired.any()
 
 
 def test_the_time_line_may_start_anywhere() -> None:

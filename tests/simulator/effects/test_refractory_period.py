@@ -46,6 +46,16 @@ def test_a_fast_edge_loses_events_and_a_slow_one_does_not() -> None:
     assert counts[1000, 10_000_000] == pytest.approx(counts[0, 10_000_000], abs=0.1)
 
 
+def test_what_happens_in_the_dead_time_is_lost() -> None:
+    parameters = only(contrast_response={"k1": 1}, refractory_period={"period_us": 100_000})
+    simulator = Simulator(SIDE, SIDE, parameters, seed=3)
+    counts = []
+    # thresholds above 100 DN: all fire once; 0.9 in the dead time; after it 0.9 and 0.2, when 1 is reached
+    for t_us, v in ((0, 0), (1000, 2.5), (50_000, 3.4), (110_000, 3.4), (120_000, 4.3), (130_000, 4.5)):
+        counts.append(len(simulator.advance(still(120 * np.exp(v) - 20, SIDE, SIDE), t_us)) / SIDE**2)
+    assert counts == [0, 1, 0, 0, 0, 1]
+
+
 def test_it_goes_on_through_a_change_of_parameters_and_can_be_switched_off() -> None:
     dead = only(junction_leak={"k4_per_us": 1e-3}, refractory_period={"period_us": 50_000})
     simulator = Simulator(SIDE, SIDE, dead, seed=4)
