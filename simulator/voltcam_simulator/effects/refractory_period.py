@@ -14,7 +14,7 @@ class RefractoryPeriod(Effect):
 
     period_us: float = quantity(
         0.0, unit="us", ge=0, le=1e6, meaning="dead time after each event",
-        source="500 to 1000 DAVIS; 100 IEBCS (Joubert et al. 2021); 10000 v2e noisy (Hu, Liu, Delbruck 2021)",
+        source="500 v2e, noisy 10000 (Hu, Liu, Delbruck 2021); 50 to 100 IEBCS; DAVIS346 street 1000",
     )  # fmt: skip
 
     @property

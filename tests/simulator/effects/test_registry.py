@@ -69,11 +69,11 @@ ALL_OF_THE_PIXEL = {
 def test_all_together_do_not_see_bands_and_survive_any_light(
     law: Law, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Black, four times white, steps of a microsecond and of a second."""
+    """Black, four times white, steps of a microsecond and of 0.1 s."""
     rng = np.random.default_rng(1)
     frames = [rng.uniform(0, 255, (50, 70)).astype(np.float32) for _ in range(4)]
     frames += [np.zeros((50, 70)), np.full((50, 70), 1000.0), np.zeros((50, 70)), frames[0]]
-    times = [0, 5000, 5001, 40_000, 50_000, 60_000, 1_060_000, 1_100_000]
+    times = [0, 5000, 5001, 40_000, 50_000, 60_000, 160_000, 170_000]
     runs = []
     for band_pixels in (16384, 1000, 1):
         monkeypatch.setattr(pixel_array, "BAND_PIXELS", band_pixels)
