@@ -10,6 +10,7 @@ Pure: arrays in, arrays out; no network, no files but camera files, no clock, no
 from .cameras import Camera, camera_names
 from .effect import EVENT
 from .parameters import Parameters
-from .simulator import Law, Simulator
+from .pixel_array import Law
+from .simulator import Simulator
 
 __all__ = ["EVENT", "Camera", "Law", "Parameters", "Simulator", "camera_names"]

@@ -1,24 +1,33 @@
-"""What an effect is: one physical mechanism, its parameters, and what it does to the pixels.
+"""What an effect is: one physical mechanism, its parameters, and what it does to light, pixels or events.
 
 An effect is a frozen pydantic model: its fields are the parameters, each made by `quantity` with unit,
 limits, meaning and source, and everything that names parameters (config file, command line, REST,
-sliders, docs) reads them from here. It acts by overriding `prepare`, `apply` or both.
+sliders, docs) reads them from here. It acts by overriding one or more of the stages below; the simulator
+calls, in registry order, only those that an active effect overrides.
+
+    prepare   once for each set of parameters: the fixed pattern of the sensor
+    see       the light on the pixels at one instant
+    respond   the voltage that the light gives at that instant
+    drift     what drift and noise add over the step between two instants
+    report    the events of an interval, on their way from the pixels to the user
 """
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
-from .random import pattern
+from .random import events_generator, events_key, pattern
 
 EVENT = np.dtype([("t", "<i8"), ("x", "<u2"), ("y", "<u2"), ("p", "?")])
 """One event: t [us], x, y [pixels], p (True = ON). The same as the client's."""
 
 Plane = NDArray[np.float32]
+Events = NDArray[np.void]
+State = dict[str, NDArray[Any]]
 
 
 def quantity(
@@ -44,8 +53,15 @@ class Sensor:
     width: int
     height: int
     seed: int
+    temperature_c: float
+    dark_level_dn: float  # k2, which Eq. 10 and Eq. 11 share
     theta_on: Plane
     theta_off: Plane
+    leak: Plane | None = None  # factor on the leak of each pixel; None: 1 everywhere
+    refractory_us: float = 0.0
+    reset_sigma: float = 0.0
+    own: dict[str, State] = field(default_factory=dict)
+    """Patterns that only one effect reads, by its name."""
 
     def pattern(self, name: str) -> np.random.Generator:
         """Random numbers for one effect's pattern: repeatable, and not moved by other effects."""
@@ -53,20 +69,69 @@ class Sensor:
 
 
 @dataclass
-class Interval:
-    """A band of pixels over the time between two frames: what an effect sees, and adds to.
+class Band:
+    """Some rows of pixels over one step in time: what an effect sees, and changes.
 
-    Planes are (pixels,) float32. Noise terms share one Wiener process, so their standard deviations add
-    (Eq. 11 of the paper).
+    Planes are (pixels,) float32. `see` and `respond` are about the end of the step; when an image is shown as
+    if it had been there for long, `span_us` is 0. Noise terms share one Wiener process, so their standard
+    deviations add in `noise` (Eq. 11); independent ones add in `noise2`.
     """
 
+    sensor: Sensor
+    first_row: int
+    start_us: int
     span_us: float
+    elapsed_us: float  # from the first frame to the start of the step
     temperature_c: float
-    dark_level_dn: float  # k2, which Eq. 10 and Eq. 11 share
-    first: Plane  # grey level at the start [DN]
-    last: Plane  # grey level at the end [DN]
-    drift: Plane  # voltage gained over the interval [nominal thresholds]
+    light_before: Plane  # grey level at the start [DN]
+    light: Plane  # and at the end
+    response: Plane  # voltage that belongs to the light at the end [nominal thresholds]
+    drift: Plane  # voltage gained over the step beside the response [nominal thresholds]
     noise: Plane  # sigma [1/sqrt(us)]
+    noise2: Plane | None = None  # sigma^2 of independent noise [1/us]
+    leak: Plane | None = None  # this band's part of the sensor's
+    kicks: list[tuple[NDArray[np.float64], float]] = field(default_factory=list)
+    """Sudden changes of voltage: (time for each row of the band [us into the step], size [thresholds]).
+    A row whose time is not in (0, span_us] has it in another step."""
+    planes: dict[str, State] = field(default_factory=dict)
+    """State of each effect that has some: this band's part, kept from step to step."""
+
+    @property
+    def end_us(self) -> float:
+        """The instant of `light` and `response`."""
+        return self.start_us + self.span_us
+
+    def independent_noise(self) -> Plane:
+        """`noise2`, made when the first effect needs it."""
+        if self.noise2 is None:
+            self.noise2 = np.zeros_like(self.noise)
+        return self.noise2
+
+
+@dataclass
+class Readout:
+    """An interval as the event stages see it."""
+
+    sensor: Sensor
+    start_us: int
+    end_us: int
+    interval: int
+    state: dict[str, State]
+    voltage: Plane  # (pixels,) voltages at the end of the interval, which an effect may change
+    light: Plane  # (pixels,) what the pixels see then [DN]
+
+    @property
+    def span_us(self) -> int:
+        """Length of the interval."""
+        return self.end_us - self.start_us
+
+    def generator(self, name: str) -> np.random.Generator:
+        """Random numbers for one effect in this interval."""
+        return events_generator(self.sensor.seed, name, self.interval)
+
+    def key(self, name: str) -> np.uint64:
+        """The same for kernels: where the sequence of its numbers starts."""
+        return events_key(self.sensor.seed, name, self.interval)
 
 
 class Effect(BaseModel):
@@ -88,8 +153,37 @@ class Effect(BaseModel):
         """False when the parameters make it do nothing; it is then not called."""
         return True
 
+    @property
+    def longest_step_us(self) -> float:
+        """The longest step over which it may be taken as a straight line; inf: any."""
+        return np.inf
+
+    def state(self, sensor: Sensor) -> State:
+        """Arrays it keeps between calls; float32 ones of (height * width,) are handed out band by band."""
+        return {}
+
     def prepare(self, sensor: Sensor) -> None:
         """Lay down the fixed pattern. Called once for each set of parameters; must be repeatable."""
 
-    def apply(self, interval: Interval) -> None:
-        """Add to the drift and noise of an interval."""
+    def see(self, band: Band) -> None:
+        """Change `band.light`."""
+
+    def respond(self, band: Band) -> None:
+        """Add to or change `band.response`."""
+
+    def drift(self, band: Band) -> None:
+        """Add to the drift, noise and kicks of a band."""
+
+    def report(self, events: Events, readout: Readout) -> Events:
+        """The events as they go on: some more, some less, some later.
+
+        events: all that reach this stage in the interval, sorted by time; may be changed in place. Returns
+        them sorted by time. Those later than the end of the interval reach the next stage in the interval
+        in which they are due.
+        """
+        return events
+
+
+def overrides(effect: Effect, stage: str) -> bool:
+    """True when this effect does something in a stage."""
+    return getattr(type(effect), stage) is not getattr(Effect, stage)

@@ -7,6 +7,7 @@ time after the frame's end gives no event: the residual grows by its share, sign
 over tau, and the next frame draws anew. That redrawing averages the noise: with x = mu T/theta the share of
 the way made in a frame of length T, the variance of the voltage is about sigma^2 T ln(1/x) where Brownian
 motion has sigma^2 T/x, so the spread of leak intervals shrinks as the frame rate grows.
+Dead time, reset noise and kicks are not part of it.
 """
 
 import math
@@ -14,7 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from .first_passage import event_address, event_key, inverse_gaussian
+from .event_key import event_address, event_key
+from .first_passage import inverse_gaussian
 from .kernel import kernel
 from .random import sequence, uniform
 
@@ -35,7 +37,7 @@ def on_probability(mu: Any, sigma2: Any, up: Any, down: Any) -> Any:
 @kernel
 def cross_by_paper(
     residual: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any,
-    first: Any, key: Any, pixel0: Any, width: Any, keys: Any,
+    first: Any, key: Any, pixel0: Any, width: Any, offset: Any, keys: Any,
 ) -> Any:  # fmt: skip
     """All pixels from `first` on, over one interval; arrays and return value as in `first_passage.cross`."""
     written = 0
@@ -51,17 +53,19 @@ def cross_by_paper(
             on = u < on_probability(mu, sigma2, up, down)
             distance = up if on else down
             tau = 0.0 if distance == 0.0 else np.inf
-            if sigma2 > 0.0 and distance > 0.0:
+            if sigma2 > 0.0 and 0.0 < distance < np.inf:
                 state, tau = inverse_gaussian(state, abs(mu) / distance, distance * distance / sigma2)
             elif mu != 0.0:
                 tau = distance / abs(mu)
+            if tau == np.inf:  # nothing moves it, or a dead pixel
+                break
             if now + tau >= span:
                 v += (distance if on else -distance) * (span - now) / tau
                 break
             if events == keys.shape[0]:
                 return i, written
             now += tau
-            keys[events] = event_key(now, address, 1 if on else -1)
+            keys[events] = event_key(offset + now, address, 1 if on else -1)
             events += 1
             v = 0.0
         written = events

@@ -17,6 +17,8 @@ START, CROSSINGS = np.uint64(1), np.uint64(2)  # streams: what the numbers are f
 
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _MIX_1, _MIX_2 = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
+_1, _2, _62, _63 = np.uint64(1), np.uint64(2), np.uint64(62), np.uint64(63)
+_SQRT_HALF_BITS, _EXPONENT_BITS, _LN_2 = np.int64(0x3FE6A09E667F3BCD), np.int64(52), math.log(2.0)
 _27, _30, _31, _11 = np.uint64(27), np.uint64(30), np.uint64(31), np.uint64(11)
 _2_TO_MINUS_53 = 2.0**-53
 
@@ -79,10 +81,10 @@ def normal(state: Any) -> Any:
     while True:
         state = state + _GOLDEN
         bits = mix(state)
-        layer = np.int64(bits & _LAYER_MASK)
+        layer = bits & _LAYER_MASK
         sign = 1.0 if bits & _SIGN else -1.0
         x = np.float64(bits >> _11) * _2_TO_MINUS_53 * _EDGE[layer]
-        if x < _EDGE[layer + 1]:
+        if x < _EDGE[layer + _1]:
             return state, sign * x
         state, u = uniform(state)
         if layer == 0:  # the tail beyond the last layer
@@ -90,8 +92,68 @@ def normal(state: Any) -> Any:
             x = -math.log(u) / _TAIL
             if -2.0 * math.log(v) > x * x:
                 return state, sign * (_TAIL + x)
-        elif _HEIGHT[layer] + u * (_HEIGHT[layer + 1] - _HEIGHT[layer]) < math.exp(-0.5 * x * x):
+        elif _HEIGHT[layer] + u * (_HEIGHT[layer + _1] - _HEIGHT[layer]) < math.exp(-0.5 * x * x):
             return state, sign * x
+
+
+@kernel
+def sequences(key: Any, pixel0: Any, pixels: Any, states: Any) -> None:
+    """The starts of many pixels' sequences: states (n,) uint64 for pixel0 + pixels (n,)."""
+    for i in range(pixels.shape[0]):
+        states[i] = mix(key + np.uint64(pixel0 + pixels[i]))
+
+
+@kernel
+def uniforms(states: Any, u: Any) -> None:
+    """The next uniform number of many sequences, in (0, 1)."""
+    for i in range(u.shape[0]):
+        states[i] += _GOLDEN
+        u[i] = (np.float64(np.int64(mix(states[i]) >> _11)) + 0.5) * _2_TO_MINUS_53
+
+
+@kernel
+def normals(states: Any, a: Any, b: Any) -> None:
+    """The next two standard normal numbers of many sequences, by Box and Muller: a, b (n,) float64.
+
+    Plain arithmetic, which the compiler vectorises: both together cost less than one from `normal`.
+    """
+    uniforms(states, a)
+    bits = a.view(np.int64)
+    for i in range(a.shape[0]):  # u = m 2^e with m in [sqrt(1/2), sqrt(2))
+        e = (bits[i] - _SQRT_HALF_BITS) >> _EXPONENT_BITS
+        bits[i] -= e << _EXPONENT_BITS
+        b[i] = e
+    for i in range(a.shape[0]):  # radius sqrt(-2 ln u), ln m = 2 artanh((m - 1)/(m + 1))
+        s = (a[i] - 1.0) / (a[i] + 1.0)
+        w = s * s
+        tail = 2 / 9 + w * (2 / 11 + w * (2 / 13 + w * (2 / 15 + w * (2 / 17 + w * (2 / 19)))))
+        log_m = s * (2.0 + w * (2 / 3 + w * (2 / 5 + w * (2 / 7 + w * tail))))
+        a[i] = math.sqrt(-2.0 * (b[i] * _LN_2 + log_m))
+    for i in range(a.shape[0]):  # angle: two bits for the quadrant, the rest within it, by Taylor's series
+        states[i] += _GOLDEN
+        h = mix(states[i])
+        t = (np.float64(np.int64((h << _2) >> _11)) * _2_TO_MINUS_53 - 0.5) * (0.5 * math.pi)
+        w = t * t
+        sine = -1 / 5040 + w * (1 / 362880 + w * (-1 / 39916800 + w / 6227020800))
+        sine = t * (1.0 + w * (-1 / 6 + w * (1 / 120 + w * sine)))
+        cosine = -1 / 720 + w * (1 / 40320 + w * (-1 / 3628800 + w / 479001600))
+        cosine = 1.0 + w * (-1 / 2 + w * (1 / 24 + w * cosine))
+        radius = -a[i] if h >> _63 else a[i]
+        turned = (h >> _62) & _1 != 0
+        a[i] = radius * (-sine if turned else cosine)
+        b[i] = radius * (cosine if turned else sine)
+
+
+def events_generator(seed: int, name: str, interval: int) -> np.random.Generator:
+    """The numbers of an effect that works on whole intervals of events."""
+    return np.random.Generator(
+        np.random.Philox(key=[seed, zlib.crc32(name.encode())], counter=[0, 0, interval, 0])
+    )
+
+
+def events_key(seed: int, name: str, interval: int) -> np.uint64:
+    """The same as the start of a sequence for kernels."""
+    return interval_key(seed, np.uint64(zlib.crc32(name.encode())), interval)
 
 
 def pattern(seed: int, name: str) -> np.random.Generator:

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
-from voltcam_simulator.first_passage import cross
+from voltcam_simulator.pixel import cross
 from voltcam_simulator.random import CROSSINGS, interval_key
 
 Floats = NDArray[np.float64]
@@ -21,9 +21,11 @@ def crossings(
     voltage, pending = np.full(n, start, np.float32), np.zeros(n, np.float32)
     plane = [np.full(n, v, np.float32) for v in (drift, noise / np.sqrt(SPAN_US), above, below)]
     keys = np.empty(2000 * n if noise > 2 else 200 * n, np.uint64)
+    none, zeros = np.zeros((0, 1)), np.zeros(n, np.float32)
     done, written = cross(
-        voltage, pending, plane[0], plane[1], SPAN_US, plane[2], plane[3], np.arange(n, dtype=np.int32),
-        0, n, interval_key(seed, CROSSINGS, 0), 0, n, keys,
+        voltage, pending, plane[0], plane[1], SPAN_US, plane[2], plane[3], zeros, zeros,
+        np.arange(n, dtype=np.int32), 0, n, interval_key(seed, CROSSINGS, 0), 0, n, 0.0, 0.0,
+        none, none, 0.0, keys,
     )  # fmt: skip
     assert done == n
     keys = keys[:written]

@@ -12,6 +12,7 @@ from voltcam_simulator import Camera, Parameters, camera_names
 def test_the_published_sets() -> None:
     """k1..k6 as in the table of the paper's supplement, for both cameras."""
     rows = {
+        "paper": (346, 260, 5.265, 20, 1e-4, 1e-7, 5e-9, 1e-5),
         "davis346": (346, 260, 5.265, 20, 1e-4, 1e-7, 5e-9, 1e-5),
         "davis240c": (240, 180, 4.42411, 23, 2e-4, 1e-7, 5e-8, 1e-5),
     }
@@ -65,6 +66,12 @@ def test_unknown_names_list_the_known_ones() -> None:
         Camera.load("davis999")
     with pytest.raises(OSError, match=r"nowhere\.yaml"):
         Camera.load("nowhere.yaml")
+
+
+def test_the_paper_s_camera_has_nothing_beyond_the_paper() -> None:
+    assert Parameters.of("paper") == Parameters()
+    on = [effect.name for effect in Parameters.of("ideal").effects() if effect.active]
+    assert on == ["contrast_response", "comparator"]
 
 
 def test_named_files_hold_nothing_unknown() -> None:

@@ -6,8 +6,10 @@ import pytest
 from numpy.typing import NDArray
 from scipy import stats
 
-from voltcam_simulator.first_passage import gather, inverse_gaussian, start_voltage
+from voltcam_simulator.first_passage import inverse_gaussian
+from voltcam_simulator.pixel import gather
 from voltcam_simulator.random import START, interval_key
+from voltcam_simulator.stationary import start_voltage
 
 from .brownian import crossings, fine_steps, first_exit_cdf
 
@@ -124,9 +126,10 @@ def test_gather_is_its_numpy_twin() -> None:
         above - np.maximum(voltage, voltage + drift), below + np.minimum(voltage, voltage + drift)
     )
     far = distance > 7.4 * np.sqrt(variance)
+    near, held = np.empty(n + 1, np.int32), (rng.random(n) < 0.01).astype(np.float32)
+    far &= held == 0
     expected = np.where(far, voltage + drift, voltage), np.where(far, variance, pending)
-    near = np.empty(n + 1, np.int32)
-    count = gather(voltage, pending, drift, noise, np.float32(1000), above, below, near)
+    count = gather(voltage, pending, drift, noise, np.float32(1000), above, below, held, near)
     assert 0 < count < n
     assert near[:count].tolist() == np.flatnonzero(~far).tolist()
     np.testing.assert_allclose(voltage, expected[0], rtol=1e-6)

@@ -31,7 +31,7 @@ def test_without_noise_the_sign_of_the_drift_decides() -> None:
 
 def test_all_pixels_start_at_the_memorised_level_so_they_leak_together() -> None:
     """A known property of Algorithm 1; the exact law starts from the stationary one."""
-    simulator = Simulator(30, 30, Parameters.of("davis346"), law="paper", seed=1)
+    simulator = Simulator(30, 30, Parameters.of("paper"), law="paper", seed=1)
     events = watch_still(simulator, 128, 2, 240)
     assert len(events) == 900
     assert events["t"].std() < 10_000

@@ -18,7 +18,7 @@ P_LIMIT = 1e-4
 
 @pytest.mark.parametrize("fps", [30, 240, 1000])
 def test_leak_intervals_are_brownian_at_any_frame_rate(fps: int) -> None:
-    simulator = Simulator(48, 40, Parameters.of("davis346"), seed=fps)
+    simulator = Simulator(48, 40, Parameters.of("paper"), seed=fps)
     between = intervals_us(watch_still(simulator, 128, 8, fps), 48)
     mu = 1e-7 + 5e-9 * 128
     sigma = 1e-4 * math.sqrt(128) / 148 + 1e-5
@@ -30,14 +30,14 @@ def test_leak_intervals_are_brownian_at_any_frame_rate(fps: int) -> None:
 
 @pytest.mark.parametrize(("fps", "spread_ms"), [(30, 8.7), (240, 4.1), (1000, 1.7)])
 def test_the_paper_law_averages_its_noise_away(fps: int, spread_ms: float) -> None:
-    simulator = Simulator(40, 30, Parameters.of("davis346"), law="paper", seed=1)
+    simulator = Simulator(40, 30, Parameters.of("paper"), law="paper", seed=1)
     between = intervals_us(watch_still(simulator, 128, 5.6, fps), 40)
     assert between.mean() == pytest.approx(1.351e6, rel=0.005)
     assert between.std() / 1e3 == pytest.approx(spread_ms, rel=0.2)
 
 
 def test_the_leak_rate_is_the_long_run_one_from_the_start() -> None:
-    simulator = Simulator(200, 200, Parameters.of("davis346"), seed=4)
+    simulator = Simulator(200, 200, Parameters.of("paper"), seed=4)
     events = watch_still(simulator, 128, 0.5, 30)
     expected = 7.4e-7 * 0.5e6 * 200 * 200
     # a pixel fires once at most, so the count is binomial: 5 standard deviations, chance 6e-7
@@ -112,7 +112,7 @@ def test_darkening_gives_off_events_and_halving_thresholds_doubles_them() -> Non
 @pytest.mark.parametrize("t0_us", [0, 1_763_000_000_000_000, -(10**15)])
 def test_the_start_of_the_time_line_does_not_matter(t0_us: int) -> None:
     def run(start: int) -> Events:
-        simulator = Simulator(20, 20, Parameters.of("davis346"), seed=9)
+        simulator = Simulator(20, 20, Parameters.of("paper"), seed=9)
         return watch_still(simulator, 90, 4, 30, start)
 
     events, reference = run(t0_us), run(0)
@@ -122,7 +122,7 @@ def test_the_start_of_the_time_line_does_not_matter(t0_us: int) -> None:
 
 def test_ten_hours_of_sparse_frames() -> None:
     """A frame each five seconds for ten hours: each hour has as many leak events as it should."""
-    simulator = Simulator(8, 8, Parameters.of("davis346"), seed=11)
+    simulator = Simulator(8, 8, Parameters.of("paper"), seed=11)
     events = watch_still(simulator, 128, 36_000, 0.2)
     rate = 7.4e-7
     expected = rate * 3.6e10 * 64

@@ -1,18 +1,60 @@
 """EFFECTS: the registry, in the order light meets them. Adding an effect: its file, a line here, its test."""
 
 from ..effect import Effect
+from .aps_coupling import ApsCoupling
 from .comparator import Comparator
 from .contrast_response import ContrastResponse
+from .crosstalk import Crosstalk
+from .dark_current import DarkCurrent
+from .dead_pixels import DeadPixels
+from .exposure_blur import ExposureBlur
+from .flicker import Flicker
+from .hot_pixels import HotPixels
+from .input_response import InputResponse
 from .junction_leak import JunctionLeak
+from .latency import Latency
+from .leak_mismatch import LeakMismatch
 from .leak_noise import LeakNoise
+from .low_light_shot_noise import LowLightShotNoise
+from .noise_pairs import NoisePairs
 from .parasitic_photocurrent import ParasiticPhotocurrent
 from .photon_noise import PhotonNoise
+from .photoreceptor_bandwidth import PhotoreceptorBandwidth
+from .readout import Readout
+from .refractory_period import RefractoryPeriod
+from .reset_noise import ResetNoise
+from .temperature_drift import TemperatureDrift
+from .threshold_mismatch import ThresholdMismatch
+from .timestamp_quantum import TimestampQuantum
+from .usb_overflow import UsbOverflow
+from .vignetting import Vignetting
 
 EFFECTS: tuple[type[Effect], ...] = (
+    TemperatureDrift,
+    InputResponse,
+    ExposureBlur,
+    Vignetting,
+    Flicker,
+    DarkCurrent,
     ContrastResponse,
+    PhotoreceptorBandwidth,
     PhotonNoise,
+    LowLightShotNoise,
     JunctionLeak,
     ParasiticPhotocurrent,
     LeakNoise,
+    ApsCoupling,
+    LeakMismatch,
     Comparator,
+    ThresholdMismatch,
+    DeadPixels,
+    RefractoryPeriod,
+    ResetNoise,
+    HotPixels,
+    NoisePairs,
+    Crosstalk,
+    Latency,
+    Readout,
+    UsbOverflow,
+    TimestampQuantum,
 )

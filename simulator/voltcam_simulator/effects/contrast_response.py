@@ -1,17 +1,17 @@
-"""The pixel answers to relative change: the drift term in dL/dt of Eq. 10."""
+"""The pixel answers to relative change: the term in dL/dt of Eq. 10."""
 
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
-from ..effect import Effect, Interval, quantity
+from ..effect import Band, Effect, quantity
 from ..kernel import kernel
 from ..logarithm import add_logarithm
 
 
 class ContrastResponse(Effect):
-    """Drift k1 ln((F1 + k2)/(F0 + k2)), or its linearisation k1 (F1 - F0)/(L + k2) with L the mean.
+    """Response k1 ln(F + k2), or the drift of its linearisation, k1 (F1 - F0)/(L + k2) with L the mean.
 
     The logarithm (Eq. 1) adds up to the same however a change is cut into frames: 0 to 255 DN is 2.62 k1 on a
     DAVIS346, where the linearisation of Eq. 10 gives 1.73 k1 in one frame.
@@ -35,17 +35,20 @@ class ContrastResponse(Effect):
     def active(self) -> bool:
         return self.k1 > 0
 
-    def apply(self, interval: Interval) -> None:
-        add = add_logarithmic if self.response == "logarithmic" else add_linearised
-        add(interval.first, interval.last, np.float32(self.k1), np.float32(self.k2_dn), interval.drift)
+    def respond(self, band: Band) -> None:
+        if self.response == "logarithmic":
+            add_logarithmic(band.light, np.float32(self.k1), np.float32(self.k2_dn), band.response)
+
+    def drift(self, band: Band) -> None:
+        if self.response == "linearised":
+            k1, k2 = np.float32(self.k1), np.float32(self.k2_dn)
+            add_linearised(band.light_before, band.light, k1, k2, band.drift)
 
 
 @kernel
-def add_logarithmic(first: Any, last: Any, k1: Any, k2: Any, drift: Any) -> None:
-    ratio = np.empty_like(drift)
-    for i in range(drift.shape[0]):
-        ratio[i] = (last[i] + k2) / (first[i] + k2)
-    add_logarithm(ratio, k1, drift)
+def add_logarithmic(light: Any, k1: Any, k2: Any, response: Any) -> None:
+    raised = light + k2
+    add_logarithm(raised, k1, response)
 
 
 @kernel

@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..effect import Effect, Interval, quantity
+from ..effect import Band, Effect, quantity
 
 BOLTZMANN_EV_PER_K = 8.617333262e-5
 ZERO_C_IN_K = 273.15
@@ -37,6 +37,7 @@ class JunctionLeak(Effect):
     def active(self) -> bool:
         return self.k4_per_us > 0
 
-    def apply(self, interval: Interval) -> None:
-        rate = self.k4_per_us * arrhenius(interval.temperature_c, self.activation_energy_ev)
-        interval.drift += np.float32(rate * interval.span_us)
+    def drift(self, band: Band) -> None:
+        rate = self.k4_per_us * arrhenius(band.temperature_c, self.activation_energy_ev)
+        voltage = np.float32(rate * band.span_us)
+        band.drift += voltage if band.leak is None else voltage * band.leak

@@ -4,7 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..effect import Effect, Interval, quantity
+from ..effect import Band, Effect, quantity
 
 
 class LeakNoise(Effect):
@@ -21,5 +21,5 @@ class LeakNoise(Effect):
     def active(self) -> bool:
         return self.k6 > 0
 
-    def apply(self, interval: Interval) -> None:
-        interval.noise += np.float32(self.k6)
+    def drift(self, band: Band) -> None:
+        band.noise += np.float32(self.k6)

@@ -4,7 +4,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..effect import Effect, Interval, quantity
+from ..effect import Band, Effect, quantity
 from ..kernel import kernel
 
 
@@ -22,9 +22,9 @@ class ParasiticPhotocurrent(Effect):
     def active(self) -> bool:
         return self.k5_per_dn_us > 0
 
-    def apply(self, interval: Interval) -> None:
-        half = np.float32(0.5 * self.k5_per_dn_us * interval.span_us)
-        add_in_proportion(interval.first, interval.last, half, interval.drift)
+    def drift(self, band: Band) -> None:
+        half = np.float32(0.5 * self.k5_per_dn_us * band.span_us)
+        add_in_proportion(band.light_before, band.light, half, band.drift)
 
 
 @kernel

@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..effect import Effect, Interval, quantity
+from ..effect import Band, Effect, quantity
 from ..kernel import kernel
 
 
@@ -23,9 +23,9 @@ class PhotonNoise(Effect):
     def active(self) -> bool:
         return self.k3 > 0
 
-    def apply(self, interval: Interval) -> None:
-        k2 = np.float32(interval.dark_level_dn)
-        add_photon_noise(interval.first, interval.last, np.float32(self.k3), k2, interval.noise)
+    def drift(self, band: Band) -> None:
+        k2 = np.float32(band.sensor.dark_level_dn)
+        add_photon_noise(band.light_before, band.light, np.float32(self.k3), k2, band.noise)
 
 
 @kernel

@@ -101,7 +101,7 @@ def test_photon_noise_makes_both_polarities_most_at_the_dark_level() -> None:
 def test_strong_noise_meets_two_barriers(sigma_factor: float, rates: tuple[float, float], fps: int) -> None:
     """The design page's figures for L = 128, DAVIS346, with sigma times 30 and 300."""
     noisy = {"photon_noise": {"k3": 1e-4 * sigma_factor}, "leak_noise": {"k6": 1e-5 * sigma_factor}}
-    simulator = Simulator(SIDE, SIDE, Parameters.of("davis346").changed(noisy), seed=6)
+    simulator = Simulator(SIDE, SIDE, Parameters.of("paper").changed(noisy), seed=6)
     seconds = 40 if sigma_factor == 30 else 5
     events = watch_still(simulator, 128, seconds, fps)
     on = events["p"].mean() * len(events) / PIXELS / seconds
@@ -123,7 +123,7 @@ def test_thresholds_set_the_polarity_ratio_of_noise() -> None:
 def test_static_ramp_has_the_paper_s_figure_6() -> None:
     """ON noise rises with intensity as mu(L), OFF is nearly zero."""
     ramp = np.tile(np.arange(256, dtype=np.uint8), (64, 1))
-    simulator = Simulator(256, 64, Parameters.of("davis346"), seed=8)
+    simulator = Simulator(256, 64, Parameters.of("paper"), seed=8)
     events = np.concatenate([simulator.advance(ramp, t) for t in range(0, 30_000_001, 200_000)])
     on = np.bincount(events["x"][events["p"]], minlength=256) / 64 / 30
     expected = (1e-7 + 5e-9 * np.arange(256)) * 1e6

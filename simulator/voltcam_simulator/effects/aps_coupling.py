@@ -1,0 +1,81 @@
+"""The frames a DAVIS takes between its events disturb the event pixels."""
+
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..effect import Band, Effect, quantity
+
+NS_PER_US = 1000
+_MEASURED = "measured on a DAVIS346 recording (street, static camera, 25 frames/s, exposure 500 us)"
+
+
+class ApsCoupling(Effect):
+    """Every frame, lines of the frame readout go up and down beside the pixel, and its voltage with them.
+
+    A frame, as the time stamps of a DAVIS346 tell it: at its start the reset levels are read, row after row
+    from row 0; then the exposure begins; at its end the signals are read, again row after row. A row's line
+    is up for row_us, the exposure's for exposure_us; a kick goes with it and is taken back. Times are whole
+    nanoseconds from the time line's zero, so every kick comes once, however time is cut.
+    """
+
+    signature: ClassVar[str] = (
+        "events crowd in the frame's phase: with the exposure, and in scans that move with the row"
+    )
+
+    frame_period_us: float = quantity(
+        40_000.0, unit="us", ge=100, le=1e7, meaning="from frame to frame", source=_MEASURED
+    )
+    exposure_us: float = quantity(
+        500.0, unit="us", ge=1, le=1e6, meaning="exposure of a frame", source=_MEASURED
+    )
+    row_us: float = quantity(
+        35.25, unit="us", ge=0.01, le=10_000, meaning="time to read a row", source=_MEASURED
+    )
+    offset_us: float = quantity(
+        0.0,
+        unit="us",
+        ge=-1e7,
+        le=1e7,
+        meaning="start of some frame on the time line",
+        source="camera's clock",
+    )
+    exposure_kick: float = quantity(
+        0.0, unit="nominal thresholds", ge=-1, le=1, meaning="voltage while the exposure lasts",
+        source="0.01 to 0.08 (assumed); DAVIS240C slider: ON before the frame stamp, OFF behind it",
+    )  # fmt: skip
+    reset_kick: float = quantity(
+        0.0, unit="nominal thresholds", ge=-1, le=1, meaning="voltage while a row's reset level is read",
+        source="0.01 to 0.08 (assumed); DAVIS346 street: 361 of 971 ON events of the scans",
+    )  # fmt: skip
+    readout_kick: float = quantity(
+        0.0, unit="nominal thresholds", ge=-1, le=1, meaning="voltage while a row's signal is read",
+        source="0.01 to 0.08 (assumed); DAVIS346 street: 610 of 971 ON events of the scans",
+    )  # fmt: skip
+
+    @property
+    def active(self) -> bool:
+        return any((self.exposure_kick, self.reset_kick, self.readout_kick))
+
+    def drift(self, band: Band) -> None:
+        period = round(self.frame_period_us * NS_PER_US)
+        begin = band.start_us * NS_PER_US - round(self.offset_us * NS_PER_US)
+        end = begin + round(band.span_us * NS_PER_US)
+        for times, size in self._kicks(band):  # rows are in order of time
+            for frame in range((begin - int(times[-1])) // period + 1, (end - int(times[0])) // period + 1):
+                band.kicks.append(((times + (frame * period - begin)) / NS_PER_US, size))
+
+    def _kicks(self, band: Band) -> list[tuple[NDArray[np.int64], float]]:
+        """Kicks of one frame: (time for each row of the band [ns from the frame's start], size)."""
+        sensor, row = band.sensor, round(self.row_us * NS_PER_US)
+        rows = np.arange(band.light.size // sensor.width, dtype=np.int64)
+        scan = (band.first_row + rows) * row
+        exposed = np.full_like(scan, sensor.height * row)
+        read = exposed + round(self.exposure_us * NS_PER_US)
+        pulses = [
+            (scan, scan + row, self.reset_kick),
+            (exposed, read, self.exposure_kick),
+            (read + scan, read + scan + row, self.readout_kick),
+        ]
+        return [kick for up, down, size in pulses if size for kick in ((up, size), (down, -size))]

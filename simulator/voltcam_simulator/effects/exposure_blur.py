@@ -1,0 +1,83 @@
+"""A video frame is the mean of the light while it was exposed."""
+
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..effect import Band, Effect, Sensor, State, quantity
+
+KNOTS = 32
+"""Instants of light that are kept; of an exposure longer than 31 steps only the last 31 count."""
+
+
+class ExposureBlur(Effect):
+    """The mean of the light over the last exposure_us, exact for light that goes straight from step to step.
+
+    Such a mean is a weighted sum of the light at the ends of the steps, with the same weights for all pixels:
+    the light there is kept for as long as an exposure may need it. (Memory not needed is not touched.)
+    Between its own steps the mean is taken as a straight line: at a bend of the light by a share q of its
+    slope, times are wrong by at most q/2 of the exposure or q/10 of the step, whichever is less.
+    """
+
+    signature: ClassVar[str] = (
+        "fast edges spread over the exposure: fewer, later events there, none elsewhere"
+    )
+
+    exposure_us: float = quantity(
+        0.0, unit="us", ge=0, le=1e6, meaning="time over which a frame gathered its light",
+        source="the camera's shutter: 500 (DAVIS346 street) up to the time between two frames",
+    )  # fmt: skip
+
+    @property
+    def active(self) -> bool:
+        return self.exposure_us > 0
+
+    def state(self, sensor: Sensor) -> State:
+        lights = {f"light_{k}": np.zeros(sensor.width * sensor.height, np.float32) for k in range(KNOTS)}
+        return {"times_us": np.full(KNOTS, -np.inf), **lights}
+
+    def see(self, band: Band) -> None:
+        own = band.planes[self.name]
+        times_us: NDArray[np.float64] = own["times_us"]
+        if band.span_us == 0:  # the image has been there for long
+            times_us[:] = -np.inf
+            times_us[0] = band.end_us
+            own["light_0"][:] = band.light
+            return
+        begin_us = band.end_us - self.exposure_us
+        own[f"light_{place(times_us, begin_us, band.end_us)}"][:] = band.light
+        band.light[:] = 0
+        known = np.flatnonzero(times_us > -np.inf)
+        known = known[np.argsort(times_us[known])]
+        for k, weight in zip(known, weights(times_us[known], begin_us), strict=True):
+            if weight != 0:
+                band.light += np.float32(weight) * own[f"light_{k}"]
+
+
+def place(times_us: NDArray[np.float64], begin_us: float, end_us: float) -> int:
+    """The index at which the light of end_us belongs; times_us, what each holds, is brought up to date."""
+    now = np.flatnonzero(times_us == end_us)
+    if now.size:  # another band of this step was here before
+        return int(now[0])
+    oldest_needed = times_us[times_us <= begin_us].max(initial=-np.inf)
+    free = np.flatnonzero((times_us < oldest_needed) | (times_us == -np.inf))
+    index = int(free[0] if free.size else times_us.argmin())
+    times_us[index] = end_us
+    return index
+
+
+def weights(times_us: NDArray[np.float64], begin_us: float) -> NDArray[np.float64]:
+    """Weights of the values at ascending times in the mean from begin_us to the last of them.
+
+    The values are joined by straight lines; before the first of them they are what they are there.
+    """
+    first, last = times_us[:-1], times_us[1:]
+    begin = np.clip(begin_us, first, last)
+    share = ((begin + last) / 2 - first) / (last - first)  # of the last value in the mean over the rest
+    result = np.zeros(times_us.size)
+    result[1:] += (last - begin) * share
+    result[:-1] += (last - begin) * (1 - share)
+    result[0] += max(times_us[0] - begin_us, 0)
+    result /= times_us[-1] - begin_us
+    return result

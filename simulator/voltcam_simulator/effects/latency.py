@@ -1,0 +1,50 @@
+"""Events leave the pixel some time after the voltage has reached the threshold."""
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ..effect import Effect, Events, Readout, Sensor, State, quantity
+from ..event_order import in_time_order
+from ..kernel import kernel
+from ..random import normal
+
+
+class Latency(Effect):
+    """t + max(0, delay + jitter N(0, 1)), the pixel's own events in their order."""
+
+    signature: ClassVar[str] = "the lag behind the light shifts and spreads, the same at any brightness"
+
+    delay_us: float = quantity(
+        0.0, unit="us", ge=0, le=1_000_000, meaning="mean delay",
+        source="100 us (IEBCS, Joubert et al. 2021); DAVIS346 at least 20 us (data sheet)",
+    )  # fmt: skip
+    jitter_us: float = quantity(
+        0.0, unit="us", ge=0, le=100_000, meaning="standard deviation of the delay",
+        source="10 to 30 us (IEBCS, Joubert et al. 2021)",
+    )  # fmt: skip
+
+    @property
+    def active(self) -> bool:
+        return self.delay_us > 0 or self.jitter_us > 0
+
+    def state(self, sensor: Sensor) -> State:
+        return {"left_us": np.full(sensor.width * sensor.height, np.iinfo(np.int64).min, np.int64)}
+
+    def report(self, events: Events, readout: Readout) -> Events:
+        left_us = readout.state[self.name]["left_us"]
+        key = readout.key(self.name)
+        delay(events, self.delay_us, self.jitter_us, key, readout.sensor.width, left_us)
+        return in_time_order(events)
+
+
+@kernel
+def delay(events: Any, mean: Any, jitter: Any, state: Any, width: Any, left: Any) -> None:
+    """Delay the events, in place; left (pixels,) int64 [us]: when the last event of each pixel has left."""
+    for i in range(events.shape[0]):
+        state, gauss = normal(state)
+        leaves = events[i].t + np.int64(max(mean + jitter * gauss, 0.0) + 0.5)
+        pixel = np.int64(events[i].y) * width + np.int64(events[i].x)
+        leaves = max(leaves, left[pixel])
+        left[pixel] = leaves
+        events[i].t = leaves

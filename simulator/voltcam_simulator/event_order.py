@@ -1,0 +1,71 @@
+"""Arrays of events in order of time: made, sorted, merged and copied, at a few nanoseconds an event."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .effect import EVENT, Events
+from .kernel import kernel
+
+
+def events_at(t_us: NDArray[np.int64], pixel: NDArray[np.int64], on: NDArray[np.bool_], width: int) -> Events:
+    """Events of the pixels numbered y * width + x, sorted by time."""
+    events = np.empty(len(t_us), EVENT)
+    events["t"], events["p"] = t_us, on
+    events["y"], events["x"] = np.divmod(pixel, width)
+    return in_time_order(events)
+
+
+def in_time_order(events: Events) -> Events:
+    """The events sorted by time; those of the same time stay in their order."""
+    if len(events) < 2:
+        return events
+    bits = len(events).bit_length()
+    keys, ordered = np.empty(len(events), np.uint64), np.empty_like(events)
+    _number(events, np.uint64(bits), keys)
+    keys.sort()
+    _take(events, keys, np.uint64((1 << bits) - 1), ordered)
+    return ordered
+
+
+def copied(events: Events) -> Events:
+    """A copy on its own memory; as bytes, since numpy copies records 40 times slower, field by field."""
+    return events.view(np.uint8).copy().view(events.dtype)
+
+
+def merged(first: Events, second: Events) -> Events:
+    """Two sorted arrays as one; of events of the same time, the first's come first."""
+    if len(first) == 0 or len(second) == 0:
+        return first if len(second) == 0 else second
+    both = np.empty(len(first) + len(second), EVENT)
+    _merge(first, second, both)
+    return both
+
+
+@kernel
+def _number(events: Any, bits: Any, keys: Any) -> None:
+    """Time since the earliest event, and behind it, in the lowest bits, each event's place."""
+    earliest = events[0].t
+    for i in range(events.shape[0]):
+        earliest = min(earliest, events[i].t)
+    for i in range(events.shape[0]):
+        keys[i] = (np.uint64(events[i].t - earliest) << bits) | np.uint64(i)
+
+
+@kernel
+def _take(events: Any, keys: Any, mask: Any, ordered: Any) -> None:
+    for i in range(keys.shape[0]):
+        ordered[i] = events[keys[i] & mask]
+
+
+@kernel
+def _merge(first: Any, second: Any, both: Any) -> None:
+    i, j = 0, 0
+    for k in range(both.shape[0]):
+        if j == second.shape[0] or (i < first.shape[0] and first[i].t <= second[j].t):
+            both[k] = first[i]
+            i += 1
+        else:
+            both[k] = second[j]
+            j += 1

@@ -1,0 +1,314 @@
+"""A pixel over one step: the lazy sweep over all pixels, and the drawn paths of those near a barrier.
+
+Noise is lazy: while both barriers are more than `REACH` pending standard deviations away nothing can
+happen, so drift adds to a mean and noise to a pending variance, and nothing is drawn (`gather`). For the
+other pixels the voltage is drawn and the path followed event by event (`cross`), by the laws of
+`first_passage`.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from .event_key import event_address, event_key
+from .first_passage import LOG_MISS, exit_of_bridge, needs_cut, stays_inside, touching_share
+from .kernel import kernel
+from .random import normal, normals, sequences, uniforms
+
+REACH = 7.4
+"""Standard deviations beyond which a barrier is out of reach: 4 Q(7.4) < 3e-13."""
+BLOCK = 512
+"""Pixels that are drawn together: their numbers stay in the first cache."""
+DEEPEST = 64
+"""Halvings of an interval after which its two ends are the same number."""
+
+
+@kernel
+def take_over(light: Any, response: Any, drift: Any, last_light: Any, last_response: Any) -> None:
+    """Add the change of response to the drift; the new light and response become the last. (pixels,)."""
+    for i in range(drift.shape[0]):
+        drift[i] += response[i] - last_response[i]
+        last_response[i] = response[i]
+        last_light[i] = light[i]
+
+
+@kernel
+def gather(
+    voltage: Any, pending: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any, held: Any,
+    near: Any,
+) -> Any:  # fmt: skip
+    """Let drift and noise gather where no barrier is within reach.
+
+    All arrays (pixels,) float32; held: dead time left [us]. near (pixels + 1,) int32 receives the indices of
+    the other pixels, which stay as they were. Returns their number. Two loops, because the first is then
+    vectorised.
+    """
+    reach2 = np.float32(REACH * REACH)
+    far = np.empty(voltage.shape[0], np.bool_)
+    for i in range(voltage.shape[0]):
+        start = voltage[i]
+        end = start + drift[i]
+        variance = pending[i] + noise[i] * noise[i] * span
+        closest = min(above[i] - max(start, end), below[i] + min(start, end))
+        far[i] = (closest > 0) & (closest * closest > reach2 * variance) & (held[i] <= 0)
+        voltage[i] = end if far[i] else start
+        pending[i] = variance if far[i] else pending[i]
+    count = 0
+    for i in range(voltage.shape[0]):
+        near[count] = i
+        count += not far[i]
+    return count
+
+
+@kernel
+def cross(
+    voltage: Any, pending: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any, held: Any,
+    slack: Any, near: Any, first: Any, count: Any, key: Any, pixel0: Any, width: Any, period: Any,
+    reset_sigma: Any, kick_times: Any, kick_sizes: Any, offset: Any, keys: Any,
+) -> Any:  # fmt: skip
+    """Draw the paths of the pixels near[first:count] and pack their events into keys.
+
+    key: `interval_key` of the step; pixel0: number of the band's first pixel; period [us]: dead time after an
+    event; reset_sigma: spread of the voltage after a reset. kick_times [us] and kick_sizes, (kicks, rows),
+    each row in order of time: sudden changes of voltage, which drift includes; slack (pixels,): more than 0
+    where there are some. offset [us]: start of the step in its interval.
+    Returns (pixels done, events written). Stops before a block of pixels whose events do not fit into keys
+    (capacity,) uint64; call again with more room, the same numbers are drawn.
+
+    Pixels go in blocks: what all of them need, and the usual single crossing, are loops that the compiler
+    vectorises (`draw_ends`, `find_touching`, `first_crossings`); the rest is followed one by one.
+    """
+    written = 0
+    states, touching, side = (
+        np.empty(BLOCK, np.uint64),
+        np.empty(BLOCK + 1, np.int32),
+        np.empty(BLOCK, np.int8),
+    )
+    start, end, a, b = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK)
+    noise2, time, cuts = np.empty(BLOCK), np.empty(BLOCK), np.empty((2, DEEPEST + 1))
+    x, y, free = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK)
+    for begin in range(first, count, BLOCK):
+        pixels = near[begin : min(begin + BLOCK, count)]
+        n, done = pixels.shape[0], written
+        if done + n > keys.shape[0]:
+            return begin, written
+        sequences(key, pixel0, pixels, states)
+        normals(states[:n], start[:n], end[:n])
+        draw_ends(voltage, pending, drift, noise, span, above, below, pixels, start, end, a, b, noise2)
+        touches = find_touching(start[:n], end, a, b, noise2, span, held, slack, pixels, touching)
+        first_crossings(
+            touching[:touches],
+            states,
+            start,
+            end,
+            a,
+            b,
+            noise2,
+            span,
+            period,
+            reset_sigma,
+            side,
+            time,
+            x,
+            y,
+            free,
+        )
+        for c in range(touches):
+            k = touching[c]
+            i = pixels[k]
+            address = event_address(pixel0 + i, width)
+            if slack[i] > 0.0 or held[i] > 0.0:
+                row, kicks = (i // width, kick_times.shape[0]) if slack[i] > 0.0 else (0, 0)
+                done, y[c], free[c] = walk(
+                    states[k], start[k], np.float64(drift[i]), np.float64(held[i]), span, noise2[k],
+                    a[k], b[k], period, reset_sigma, kick_times[:kicks, row], kick_sizes[:kicks, row],
+                    address, offset, cuts, keys, done,
+                )  # fmt: skip
+            else:
+                if side[c] != 0:
+                    keys[done] = event_key(offset + time[c], address, side[c])
+                    done += 1
+                left = span - free[c]
+                if left > 0.0 and not stays_inside(x[c], y[c], a[k], b[k], noise2[k] * left):
+                    done, y[c], free[c] = follow(
+                        states[k], x[c], y[c], free[c], span, noise2[k], a[k], b[k], period, reset_sigma,
+                        address, offset, cuts, keys, done,
+                    )[1:]  # fmt: skip
+            if done < 0 or done + n > keys.shape[0]:
+                return begin, written
+            end[k] = y[c]
+        for k in range(n):
+            voltage[pixels[k]] = end[k]
+            pending[pixels[k]] = 0.0
+        for c in range(touches):
+            held[pixels[touching[c]]] = max(free[c] - span, 0.0)
+        written = done
+    return count, written
+
+
+@kernel
+def draw_ends(
+    voltage: Any, pending: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any, pixels: Any,
+    start: Any, end: Any, a: Any, b: Any, noise2: Any,
+) -> None:  # fmt: skip
+    """start, end: standard normal numbers to the voltages at the two ends of each path, before resets.
+
+    a, b, noise2: filled with the distances of the barriers from 0 and sigma^2. All (n,) float64.
+    """
+    root = math.sqrt(span)
+    for k in range(pixels.shape[0]):
+        i = pixels[k]
+        sigma = np.float64(noise[i])
+        a[k], b[k], noise2[k] = above[i], below[i], sigma * sigma
+        x = np.float64(voltage[i]) + math.sqrt(np.float64(pending[i])) * start[k]
+        x = min(max(x, -b[k]), a[k])  # beyond by rounding, by a kick, or where a threshold was lowered
+        start[k], end[k] = x, x + np.float64(drift[i]) + sigma * root * end[k]
+
+
+@kernel
+def find_touching(
+    start: Any, end: Any, a: Any, b: Any, noise2: Any, span: Any, held: Any, slack: Any, pixels: Any,
+    touching: Any,
+) -> Any:  # fmt: skip
+    """Fill touching with the places of paths that may touch a barrier, or need more care; their number."""
+    inside = np.empty(start.shape[0], np.bool_)
+    for k in range(start.shape[0]):
+        inside[k] = stays_inside(start[k], end[k], a[k], b[k], noise2[k] * span)
+    count = 0
+    for k in range(start.shape[0]):
+        touching[count] = k
+        count += slack[pixels[k]] > 0.0 or held[pixels[k]] > 0.0 or not inside[k]
+    return count
+
+
+@kernel
+def first_crossings(
+    touching: Any, states: Any, start: Any, end: Any, a: Any, b: Any, noise2: Any, span: Any, period: Any,
+    reset_sigma: Any, side: Any, time: Any, x: Any, y: Any, free: Any,
+) -> None:  # fmt: skip
+    """The first event of the paths that surely cross one barrier and cannot reach the other.
+
+    touching (n,): places of the paths. Fills side (+1 ON, -1 OFF, 0: not such a path), time [us], and where
+    the path goes on: from voltage x at time free, after the dead time, to y at the end of the step.
+    """
+    n = touching.shape[0]
+    own, gauss, other, u, reset = np.empty(n, np.uint64), np.empty(n), np.empty(n), np.empty(n), np.zeros(n)
+    for c in range(n):
+        own[c] = states[touching[c]]
+    normals(own, gauss, other)
+    uniforms(own, u)
+    if reset_sigma > 0.0:
+        normals(own, reset, x[:n])
+    for c in range(n):
+        k = touching[c]
+        states[k] = own[c]
+        above, below, begin, stop = a[k], b[k], start[k], end[k]
+        on = stop >= above
+        barrier = above if on else -below
+        distance = above - begin if on else begin + below
+        beyond = stop - above if on else -below - stop
+        reach = (begin + below) * (stop + below) if on else (above - begin) * (above - stop)
+        sure = (beyond >= 0.0) & (distance > 0.0) & (reach >= -0.5 * LOG_MISS * noise2[k] * span)
+        time[c] = span * touching_share(distance, beyond, noise2[k] * span, gauss[c], u[c])
+        left = span - time[c]
+        share = min(period / left, 1.0) if left > 0.0 else 1.0  # of what is left, in the dead time
+        path = barrier + share * (stop - barrier)
+        path += math.sqrt(noise2[k] * left * share * (1.0 - share)) * other[c]
+        level = min(max(reset_sigma * reset[c], -0.9 * below), 0.9 * above)
+        side[c] = (1 if on else -1) if sure else 0
+        free[c] = time[c] + period if sure else 0.0
+        x[c] = level if sure else begin
+        y[c] = level + stop - path if sure else stop
+
+
+@kernel
+def walk(
+    state: Any, x: Any, drift: Any, now: Any, span: Any, noise2: Any, above: Any, below: Any, period: Any,
+    reset_sigma: Any, kick_times: Any, kick_sizes: Any, address: Any, offset: Any, cuts: Any, keys: Any,
+    written: Any,
+) -> Any:  # fmt: skip
+    """The whole step of one pixel from voltage x, free from `now` on, with kicks, dead time and resets.
+
+    Returns (written, voltage at the end, time from which the pixel is free), as `follow`.
+    """
+    kicks = kick_sizes.shape[0]
+    slope = (drift - kick_sizes.sum()) / span
+    for kick in range(kicks + 1):  # the path up to each kick, and to the end
+        end = span if kick == kicks else min(kick_times[kick], span)
+        if end > now:
+            x = min(max(x, -below), above)
+            state, gauss = normal(state)
+            variance = noise2 * (end - now)
+            y = x + slope * (end - now) + math.sqrt(variance) * gauss
+            if stays_inside(x, y, above, below, variance):
+                x, now = y, end
+            else:
+                state, written, x, now = follow(
+                    state, x, y, now, end, noise2, above, below, period, reset_sigma,
+                    address, offset, cuts, keys, written,
+                )  # fmt: skip
+                if written < 0:
+                    return written, x, now
+        if kick < kicks and now <= end:  # in its dead time a pixel memorises the kick
+            x += kick_sizes[kick]
+    return written, x, now
+
+
+@kernel
+def follow(
+    state: Any, x: Any, y: Any, begin: Any, end: Any, noise2: Any, above: Any, below: Any, period: Any,
+    reset_sigma: Any, address: Any, offset: Any, cuts: Any, keys: Any, written: Any,
+) -> Any:  # fmt: skip
+    """All events of one pixel from begin to end, its path going from x to y if there were no resets.
+
+    noise2: sigma^2 [1/us]; times [us]; cuts (2, DEEPEST + 1): room for the ends of bridges that were cut.
+    Fills keys[written:]. Returns (state, written, voltage at the end, time from which the pixel is free: end,
+    or later by what is left of its dead time); written is -1 when keys is full.
+    """
+    cuts[0, 0], cuts[1, 0] = end, y
+    depth, now, fallen = 0, begin, 0.0  # fallen: what resets have subtracted from the path so far
+    while depth >= 0:
+        left = cuts[0, depth] - now
+        stop = cuts[1, depth] - fallen
+        variance = noise2 * left
+        if depth < DEEPEST and needs_cut(x, stop, above, below, variance):
+            state, gauss = normal(state)
+            depth += 1
+            cuts[0, depth] = now + 0.5 * left
+            cuts[1, depth] = 0.5 * (x + stop) + 0.5 * math.sqrt(variance) * gauss + fallen
+            continue
+        state, side, time = exit_of_bridge(state, x, stop, left, variance, above, below)
+        if side == 0:
+            now, x = cuts[0, depth], stop
+            depth -= 1
+            continue
+        if written == keys.shape[0]:
+            return state, -1, 0.0, now
+        now = min(now + time, cuts[0, depth])
+        keys[written] = event_key(offset + now, address, side)
+        written += 1
+        path = fallen + (above if side > 0 else -below)  # where the path would be without resets
+        if period > 0.0:
+            state, depth, now, path = wait(state, depth, now, path, period, noise2, cuts)
+        x = 0.0
+        if reset_sigma > 0.0:
+            state, gauss = normal(state)
+            x = min(max(reset_sigma * gauss, -0.9 * below), 0.9 * above)
+        fallen = path - x
+    return state, written, x, now
+
+
+@kernel
+def wait(state: Any, depth: Any, now: Any, path: Any, period: Any, noise2: Any, cuts: Any) -> Any:
+    """Let the path go on through the dead time. Returns (state, depth, time, path) at its end."""
+    resume = now + period
+    while depth >= 0 and cuts[0, depth] <= resume:
+        now, path = cuts[0, depth], cuts[1, depth]
+        depth -= 1
+    if depth >= 0:
+        left = cuts[0, depth] - now
+        share = (resume - now) / left
+        state, gauss = normal(state)
+        path += share * (cuts[1, depth] - path) + math.sqrt(noise2 * left * share * (1.0 - share)) * gauss
+    return state, depth, resume, path

@@ -1,0 +1,202 @@
+"""All pixels of a sensor: their state planes, and one step of all of them, band of rows by band of rows."""
+
+import math
+from concurrent.futures import ThreadPoolExecutor
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .effect import Band, Effect, Plane, Sensor, State, overrides
+from .paper_law import cross_by_paper
+from .parameters import Parameters
+from .pixel import cross, gather, take_over
+from .random import CROSSINGS, START, interval_key
+from .rows import Image, Keys, Room, Rows, kick_arrays
+from .stationary import start_voltage
+
+Law = Literal["exact", "paper"]
+
+BAND_PIXELS = 32768  # few enough for the planes of a band to stay in cache, enough to drown the calls' cost
+
+
+class PixelArray:
+    """State of width x height pixels, and what happens to it from one instant to the next."""
+
+    def __init__(self, width: int, height: int, law: Law, seed: int, threads: int) -> None:
+        self.width, self.height, self.law, self.seed = width, height, law, seed
+        pixels = width * height
+        self.voltage = np.zeros(pixels, np.float32)
+        self._pending = np.zeros(pixels, np.float32)  # variance gathered since a voltage was last drawn
+        self.light, self._response = np.zeros(pixels, np.float32), np.zeros(pixels, np.float32)
+        self._held = np.zeros(0, np.float32)  # dead time left [us], once there is any
+        self.state: dict[str, State] = {}
+        shares = threads * math.ceil(pixels / BAND_PIXELS / threads)  # as many bands for each thread
+        self._band_rows = math.ceil(height / min(shares, height))
+        self._rooms = [Room(self._band_rows * width) for _ in range(threads)]
+        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
+        self._steps, self._elapsed_us = 0, 0.0
+
+    def configure(self, parameters: Parameters) -> None:
+        """Take on parameters: lay down the fixed pattern, keep the state of the effects that stay on."""
+        theta_on, theta_off = np.ones((2, self.height, self.width), np.float32)
+        dark_level_dn = parameters.contrast_response.k2_dn
+        self.sensor = sensor = Sensor(
+            self.width, self.height, self.seed, parameters.temperature_c, dark_level_dn, theta_on, theta_off
+        )
+        self.effects = [self._by_law(effect) for effect in parameters.effects() if effect.active]
+        for effect in self.effects:
+            effect.prepare(sensor)
+        keepers = [effect for effect in self.effects if overrides(effect, "state")]
+        self.state = {e.name: self.state.get(e.name) or e.state(sensor) for e in keepers}
+        self._see, self._respond, self._drift = (
+            [effect for effect in self.effects if overrides(effect, stage)]
+            for stage in ("see", "respond", "drift")
+        )
+        self.longest_step_us = min(effect.longest_step_us for effect in self.effects)
+        if sensor.refractory_us > 0 and self._held.size == 0:
+            self._held = np.zeros_like(self.voltage)
+        starts = range(0, self.height, self._band_rows)
+        self._bands = [self._rows(row, self._rooms[i % len(self._rooms)]) for i, row in enumerate(starts)]
+
+    def _by_law(self, effect: Effect) -> Effect:
+        """The paper's law is defined with the linearised response."""
+        if self.law == "paper" and effect.name == "contrast_response":
+            return effect.model_copy(update={"response": "linearised"})
+        return effect
+
+    def _rows(self, first_row: int, room: Room) -> Rows:
+        """The band that starts at a row, in a thread's room."""
+        end_row = min(first_row + self._band_rows, self.height)
+        pixels = slice(first_row * self.width, end_row * self.width)
+        size = pixels.stop - pixels.start
+        sensor = self.sensor
+        light, response, drift, noise = room.planes[:, :size]
+        band = Band(
+            sensor, first_row, 0, 0.0, 0.0, sensor.temperature_c,
+            self.light[pixels], light, response, drift, noise,
+            leak=None if sensor.leak is None else sensor.leak.ravel()[pixels],
+            planes={
+                name: {k: a[pixels] if is_plane(a, self.voltage) else a for k, a in state.items()}
+                for name, state in self.state.items()
+            },
+        )  # fmt: skip
+        held = self._held[pixels] if self._held.size else room.zeros[:size]
+        return Rows(
+            room, band, pixels, self.voltage[pixels], self._pending[pixels], self.light[pixels],
+            self._response[pixels], held, sensor.theta_on.ravel()[pixels], sensor.theta_off.ravel()[pixels],
+        )  # fmt: skip
+
+    def settle(self, image: Image, t_us: int) -> None:
+        """Show an image as if it had been there for long: light and response of that instant, no events."""
+        for rows in self._bands:
+            band = self._seen(rows, image, t_us, 0.0)
+            rows.light[:], rows.response[:] = band.light, band.response
+
+    def start(self, t_us: int) -> None:
+        """Voltages of pixels that have watched the settled image for long; the paper's law starts at 0."""
+        if self.law == "paper":
+            return
+        key = interval_key(self.seed, START, 0)
+        for rows in self._bands:
+            band = rows.band
+            band.start_us, band.span_us = t_us, 1.0
+            band.light[:] = rows.light
+            self._add_drift(band)
+            start_voltage(
+                rows.voltage, band.drift, band.noise, rows.above, rows.below, key, rows.pixels.start
+            )
+
+    def forget_events(self) -> None:
+        """Empty what effects keep of events on their way: queues, times."""
+        for effect in self.effects:
+            if overrides(effect, "report") and overrides(effect, "state"):
+                self.state[effect.name] = effect.state(self.sensor)
+
+    def step(self, image: Image, start_us: int, offset_us: float, span_us: float) -> None:
+        """From the last instant to the next, at which the sensor sees `image` (pixels,) DN.
+
+        The step starts offset_us after start_us, from which its events are timed.
+        """
+        key = interval_key(self.seed, CROSSINGS, self._steps)
+
+        def share(room: Room) -> None:
+            for rows in self._bands:
+                if rows.room is room:
+                    band = self._seen(rows, image, start_us + int(offset_us), span_us)
+                    self._add_drift(band)
+                    take_over(band.light, band.response, band.drift, rows.light, rows.response)
+                    self._draw_events(rows, key, offset_us)
+
+        if self._pool is None:
+            share(self._rooms[0])
+        else:
+            list(self._pool.map(share, self._rooms))
+        self._steps += 1
+        self._elapsed_us += span_us
+
+    def take_keys(self) -> Keys:
+        """The event keys of the steps since the last call."""
+        taken = [room.take_keys() for room in self._rooms]
+        return taken[0] if len(taken) == 1 else np.concatenate(taken)
+
+    @property
+    def state_bytes(self) -> int:
+        """Memory of all planes and of the room for events."""
+        own = [self.voltage, self._pending, self.light, self._response, self._held]
+        own += [self.sensor.theta_on, self.sensor.theta_off]
+        own += [array for state in self.state.values() for array in state.values()]
+        return sum(array.nbytes for array in own) + sum(room.nbytes for room in self._rooms)
+
+    def _seen(self, rows: Rows, image: Image, start_us: int, span_us: float) -> Band:
+        """A band at the end of a step: light and response there."""
+        band = rows.band
+        band.start_us, band.span_us, band.elapsed_us = start_us, span_us, self._elapsed_us
+        band.light[:] = image[rows.pixels]
+        band.response.fill(0)
+        for effect in self._see:
+            effect.see(band)
+        for effect in self._respond:
+            effect.respond(band)
+        return band
+
+    def _add_drift(self, band: Band) -> None:
+        """Drift and noise of a step, of all effects but the response."""
+        band.temperature_c, band.noise2, band.kicks = self.sensor.temperature_c, None, []
+        band.drift.fill(0)
+        band.noise.fill(0)
+        for effect in self._drift:
+            effect.drift(band)
+        if band.noise2 is not None:
+            np.sqrt(band.noise * band.noise + band.noise2, out=band.noise)
+
+    def _draw_events(self, rows: Rows, key: np.uint64, offset_us: float) -> None:
+        """Follow a band's voltages over the step; its event keys go into its room."""
+        band, sensor, room = rows.band, self.sensor, rows.room
+        voltage, above, below, drift, noise = rows.voltage, rows.above, rows.below, band.drift, band.noise
+        span_us, pixel0 = band.span_us, rows.pixels.start
+        if self.law == "paper":
+            room.draw(voltage.size, lambda done, keys: cross_by_paper(
+                voltage, drift, noise, span_us, above, below, done, key, pixel0, self.width, offset_us, keys,
+            ))  # fmt: skip
+            return
+        times, sizes, row_slack = kick_arrays(band)
+        slack, reach_above, reach_below = room.zeros[: voltage.size], above, below
+        if len(sizes):
+            by_row = drift.reshape(-1, self.width)
+            by_row += sizes.sum(axis=0)[:, None]
+            slack = np.repeat(row_slack, self.width)
+            reach_above, reach_below = above - slack, below - slack
+        pending, held, near = rows.pending, rows.held, room.near
+        count = gather(
+            voltage, pending, drift, noise, np.float32(span_us), reach_above, reach_below, held, near
+        )
+        room.draw(count, lambda done, keys: cross(
+            voltage, pending, drift, noise, span_us, above, below, held, slack, near, done, count, key,
+            pixel0, self.width, sensor.refractory_us, sensor.reset_sigma, times, sizes, offset_us, keys,
+        ))  # fmt: skip
+
+
+def is_plane(array: NDArray[np.generic], voltage: Plane) -> bool:
+    """True for a state that has a number for each pixel."""
+    return array.dtype == np.float32 and array.shape == voltage.shape

@@ -1,0 +1,82 @@
+"""Some rows of the sensor, and the room in which one thread works on them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .effect import Band, Plane
+
+Keys = NDArray[np.uint64]
+Image = NDArray[np.uint8] | Plane
+
+
+class Room:
+    """What one thread needs for a band at a time: scratch planes, and space for event keys that grows."""
+
+    def __init__(self, pixels: int) -> None:
+        self.planes = np.empty((4, pixels), np.float32)
+        self.zeros = np.zeros(pixels, np.float32)  # for pixels without dead times, without kicks
+        self.near = np.empty(pixels + 1, np.int32)
+        self._keys = np.empty(8192, np.uint64)
+        self._filled = 0
+
+    def draw(self, count: int, draw: Callable[[int, Keys], tuple[int, int]]) -> None:
+        """Let draw(pixels done, space) -> (pixels done, keys written) go on until count pixels are done."""
+        done = 0
+        while done < count:
+            done, written = draw(done, self._keys[self._filled :])
+            self._filled += written
+            if done < count:
+                self._keys = np.concatenate([self._keys, np.empty_like(self._keys)])
+
+    def take_keys(self) -> Keys:
+        """The keys drawn since the last call; good until the next draw."""
+        keys, self._filled = self._keys[: self._filled], 0
+        return keys
+
+    @property
+    def nbytes(self) -> int:
+        """Memory it holds."""
+        return self.planes.nbytes + self.zeros.nbytes + self.near.nbytes + self._keys.nbytes
+
+
+@dataclass(slots=True, eq=False)
+class Rows:
+    """A band, the room it is worked on in, and the sensor's own planes at its place."""
+
+    room: Room
+    band: Band
+    pixels: slice
+    voltage: Plane
+    pending: Plane
+    light: Plane
+    response: Plane
+    held: Plane
+    above: Plane
+    below: Plane
+
+
+NO_KICKS, NO_SLACK = np.empty((0, 1)), np.empty(0, np.float32)
+
+
+def kick_arrays(band: Band) -> tuple[NDArray[np.float64], NDArray[np.float64], Plane]:
+    """A band's kicks: times and sizes (kicks, rows), each row in order of time, and how far they lead astray.
+
+    What a row does not have in this step stands at its end, at inf, with size 0. Astray is what the mean
+    path of each row, straight between kicks, may go beyond its two ends: the largest sum of kicks up to or
+    from a time, more than 0 where there is any kick.
+    """
+    if not band.kicks:
+        return NO_KICKS, NO_KICKS, NO_SLACK
+    times = np.stack([times for times, _ in band.kicks])
+    sizes = np.repeat([[size] for _, size in band.kicks], times.shape[1], axis=1)
+    elsewhere = (times <= 0) | (times > band.span_us)
+    times[elsewhere], sizes[elsewhere] = np.inf, 0
+    order = np.argsort(times, axis=0, kind="stable")
+    times, sizes = np.take_along_axis(times, order, axis=0), np.take_along_axis(sizes, order, axis=0)
+    before = np.cumsum(sizes, axis=0)
+    after = before[-1] - before
+    slack = np.maximum(np.abs(before).max(axis=0), np.abs(after).max(axis=0))
+    return times, sizes, slack.astype(np.float32)

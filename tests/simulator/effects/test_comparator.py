@@ -1,0 +1,22 @@
+"""ON/OFF asymmetry: unequal thresholds show at any speed."""
+
+import numpy as np
+import pytest
+
+from voltcam_simulator import Simulator
+
+from ..scenes import only, still
+
+
+@pytest.mark.parametrize("rise_us", [1000, 100_000, 10_000_000])
+def test_on_and_off_counts_are_in_the_ratio_of_the_thresholds_at_all_speeds(rise_us: int) -> None:
+    thresholds = {"theta_on": 0.8, "theta_off": 1.2}
+    simulator = Simulator(40, 40, only(contrast_response={"k1": 40}, comparator=thresholds), seed=1)
+    simulator.advance(still(10, 40, 40), 0)
+    counts = np.zeros(2)
+    for k in range(1, 9):
+        events = simulator.advance(still(200 if k % 2 else 10, 40, 40), k * rise_us)
+        counts += (events["p"].sum(), (~events["p"]).sum())
+    # 79.7 thresholds up and down: hysteresis takes at most one event of each, of 100 and of 66
+    assert counts[0] / counts[1] == pytest.approx(1.2 / 0.8, rel=0.01)
+    assert counts[0] / 4 / 1600 == pytest.approx(40 * np.log(220 / 30) / 0.8, rel=0.015)

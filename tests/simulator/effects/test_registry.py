@@ -1,0 +1,89 @@
+"""All effects together: what their order and their defaults promise."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from voltcam_simulator import Law, Parameters, Simulator, pixel_array
+from voltcam_simulator.effect import Effect
+from voltcam_simulator.effects import EFFECTS
+
+NAMES = [effect.name for effect in EFFECTS]
+BASE_MODEL = {
+    "contrast_response",
+    "photon_noise",
+    "junction_leak",
+    "parasitic_photocurrent",
+    "leak_noise",
+    "comparator",
+}
+
+
+def test_the_base_model_is_what_is_on_by_default() -> None:
+    assert {effect.name for effect in Parameters().effects() if effect.active} == BASE_MODEL
+
+
+@pytest.mark.parametrize(
+    ("before", "behind"),
+    [
+        ("temperature_drift", "dark_current"),  # which asks for the temperature
+        ("temperature_drift", "junction_leak"),
+        ("input_response", "exposure_blur"),  # means are of light, not of grey levels
+        ("dark_current", "contrast_response"),
+        ("contrast_response", "photoreceptor_bandwidth"),
+        ("comparator", "threshold_mismatch"),
+        ("threshold_mismatch", "dead_pixels"),
+    ],
+)
+def test_who_must_come_before_whom(before: str, behind: str) -> None:
+    assert NAMES.index(before) < NAMES.index(behind)
+
+
+@pytest.mark.parametrize("effect", EFFECTS, ids=NAMES)
+def test_every_effect_says_how_it_shows_and_has_a_test_of_that(effect: type[Effect]) -> None:
+    assert len(effect.signature) > 10
+    tested = Path(__file__).with_name(f"test_{effect.name}.py")
+    assert tested.exists() or effect.name in BASE_MODEL
+
+
+ALL_OF_THE_PIXEL = {
+    "temperature_drift": {"rate_c_per_s": 5},
+    "input_response": {"gamma_exponent": 2.2, "black_level_dn": 16},
+    "exposure_blur": {"exposure_us": 3000},
+    "vignetting": {"corner_loss": 0.3},
+    "flicker": {"depth": 0.2},
+    "dark_current": {"dark_dn": 2},
+    "photoreceptor_bandwidth": {"cutoff_hz": 300, "follower_hz": 2000},
+    "low_light_shot_noise": {"c": 0.0112},
+    "aps_coupling": {"exposure_kick": 0.1, "reset_kick": 0.2, "readout_kick": -0.1},
+    "leak_mismatch": {"sigma": 0.3},
+    "threshold_mismatch": {"sigma": 0.3},
+    "dead_pixels": {"fraction": 0.01},
+    "refractory_period": {"period_us": 500},
+    "reset_noise": {"sigma": 0.1},
+}
+
+
+@pytest.mark.parametrize("law", ["exact", "paper"])
+def test_all_together_do_not_see_bands_and_survive_any_light(
+    law: Law, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Black, four times white, steps of a microsecond and of 0.1 s."""
+    rng = np.random.default_rng(1)
+    frames = [rng.uniform(0, 255, (50, 70)).astype(np.float32) for _ in range(4)]
+    frames += [np.zeros((50, 70)), np.full((50, 70), 1000.0), np.zeros((50, 70)), frames[0]]
+    times = [0, 5000, 5001, 40_000, 50_000, 60_000, 160_000, 170_000]
+    runs = []
+    for band_pixels in (16384, 1000, 1):
+        monkeypatch.setattr(pixel_array, "BAND_PIXELS", band_pixels)
+        parameters = Parameters.of("davis346").changed(ALL_OF_THE_PIXEL)
+        simulator = Simulator(70, 50, parameters, law=law, seed=1)
+        events = [simulator.advance(frame, t) for frame, t in zip(frames, times, strict=True)]
+        for k in range(1, len(times)):
+            t = events[k]["t"]
+            assert (np.diff(t) >= 0).all()
+            assert len(t) == 0 or times[k - 1] <= t[0] <= t[-1] <= times[k]
+        assert len(events[1]) > 3500
+        runs.append(np.concatenate(events).tobytes())
+    assert runs[0] == runs[1] == runs[2]
