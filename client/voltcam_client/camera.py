@@ -20,7 +20,9 @@ from voltcam_client.packet import (
 
 DEFAULT_URL = "tcp://127.0.0.1:5560"
 RECONNECT_MS, SLOWEST_RECONNECT_MS = 100, 1000
-HEARTBEAT_MS, HEARTBEAT_TIMEOUT_MS = 1000, 5000  # a pulled cable is noticed, and reconnected, after this
+KEEPALIVE_IDLE_S, KEEPALIVE_PERIOD_S, KEEPALIVE_PROBES = 2, 1, 3
+"""A pulled cable is noticed, and reconnected, after 5 s. By TCP, not by ZeroMQ's heartbeats: with them libzmq
+4.3.5 aborts the process when a connection ends while the queue is full (zeromq/libzmq issues 4364, 4767)."""
 
 Message = TypeVar("Message", bound=Packet | FrameMessage)
 
@@ -167,8 +169,10 @@ def _subscribe(url: str, topic: bytes, queue_length: int) -> zmq.SyncSocket:
     socket.rcvhwm = queue_length
     socket.reconnect_ivl = RECONNECT_MS
     socket.reconnect_ivl_max = SLOWEST_RECONNECT_MS
-    socket.heartbeat_ivl = HEARTBEAT_MS
-    socket.heartbeat_timeout = HEARTBEAT_TIMEOUT_MS
+    socket.tcp_keepalive = 1
+    socket.tcp_keepalive_idle = KEEPALIVE_IDLE_S
+    socket.tcp_keepalive_intvl = KEEPALIVE_PERIOD_S
+    socket.tcp_keepalive_cnt = KEEPALIVE_PROBES
     socket.subscribe(topic)
     try:
         socket.connect(url)

@@ -29,6 +29,7 @@ from voltcam_client.record import Progress, record, size_bytes
 SUMMARIES = {
     "serve": "run the camera: live video in, events out",
     "convert": "turn a video, images or a recording into an event file",
+    "bench": "measure the speed on this machine, beside its own limits",
     "schema": "print the JSON schema of the configuration file, for editors",
 }
 SHOW_PERIOD_S = 0.25

@@ -13,12 +13,14 @@ import time
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
+from functools import partial
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from voltcam_simulator import Camera, Law, Parameters, Simulator
+from voltcam_simulator import Law, Parameters, Simulator
 
 from .bench_scene import moving, noisy
 
@@ -56,38 +58,35 @@ def configure(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Measure everything and print it; the bar goes to standard error."""
     figures = []
-    steps = list(plan())
-    for name, measure in tqdm(steps, desc="voltcam bench", disable=not sys.stderr.isatty()):
+    for measure in tqdm(list(plan()), desc="voltcam bench", disable=None, leave=False):
         found = measure()
         figures += found
         if not arguments.json:
-            tqdm.write("\n".join(map(str, found)) if found else name)
+            tqdm.write("\n".join(map(str, found)))
     if arguments.json:
-        print(json.dumps([asdict(figure) for figure in figures], indent=1))
+        sys.stdout.write(json.dumps([asdict(figure) for figure in figures], indent=1) + "\n")
     return 0
 
 
-def plan() -> Iterator[tuple[str, Callable[[], list[Figure]]]]:
+def plan() -> Iterator[Callable[[], list[Figure]]]:
     """What is measured, in order."""
-    base = Parameters.of("paper")
-    camera = Parameters.of("davis346")
-    yield "machine", machine
+    base, camera = Parameters.of("paper"), Parameters.of("davis346")
+    yield machine
     for size, (width, height, count) in SIZES.items():
         scene = moving(count, width, height)
         still = np.repeat(scene[:1], count, axis=0)
         webcam = noisy(count, width, height)
-        yield size, lambda s=scene, n=size: speed(f"{n} moving, base model, exact law", s, 240, base)
-        yield size, lambda s=still, n=size: speed(f"{n} static, base model, exact law", s, 30, base)
-        yield size, lambda s=webcam, n=size: speed(f"{n} noise of 2 DN, base model, exact law", s, 30, base)
-        yield size, lambda s=scene, n=size: speed(f"{n} moving, davis346, all its effects", s, 240, camera)
-        yield size, lambda s=scene, n=size: speed(f"{n} moving, base model, paper law", s, 240, base, "paper")
-        yield size, lambda s=scene, n=size: two_threads(f"{n} two threads over one, wall time", s, base)
-    width, height, count = SIZES["346x260"]
-    scene = moving(count, width, height)
-    yield "paper law in numpy", lambda: numpy_paper_law(scene[:6])
-    yield "cost per event", lambda: cost_per_event(scene, base)
-    yield "memory", lambda: memory(base)
-    yield "start", start
+        yield partial(speed, f"{size} moving, base model, exact law", scene, 240, base)
+        yield partial(speed, f"{size} static, base model, exact law", still, 30, base)
+        yield partial(speed, f"{size} noise of 2 DN, base model, exact law", webcam, 30, base)
+        yield partial(speed, f"{size} moving, davis346, all its effects", scene, 240, camera)
+        yield partial(speed, f"{size} moving, base model, paper law", scene, 240, base, "paper")
+        yield partial(two_threads, f"{size} two threads over one, wall time", scene, base)
+    scene = moving(60, 346, 260)
+    yield partial(numpy_paper_law, scene[:6])
+    yield partial(cost_per_event, scene, base)
+    yield partial(memory, base)
+    yield start
 
 
 def machine() -> list[Figure]:
@@ -141,7 +140,7 @@ def two_threads(name: str, frames: Frames, parameters: Parameters) -> list[Figur
 
 
 def cost_per_event(frames: Frames, parameters: Parameters) -> list[Figure]:
-    """Time that one more event costs, sort and packing included: from the same scene with thresholds doubled."""
+    """Time that one more event costs, sorted and packed: by the same scene with thresholds doubled."""
     many, more = timed(frames, 240, parameters)
     few, less = timed(frames, 240, parameters.changed({"comparator": {"theta_on": 2, "theta_off": 2}}))
     costs = [(a - b) / (more - less) * 1e9 for a, b in zip(sorted(many), sorted(few), strict=True)]
@@ -149,7 +148,7 @@ def cost_per_event(frames: Frames, parameters: Parameters) -> list[Figure]:
 
 
 def numpy_paper_law(frames: Frames) -> list[Figure]:
-    """The paper's Algorithm 1 for whole planes in plain numpy, one pass over each frame, events not even sorted."""
+    """The paper's Algorithm 1 for whole planes in plain numpy, one pass a frame, events not even sorted."""
     rng = np.random.default_rng(1)
     k = Parameters.of("paper")
 
@@ -171,7 +170,7 @@ def numpy_paper_law(frames: Frames) -> list[Figure]:
     residual = np.zeros_like(planes[0])
 
     def all_frames() -> None:
-        for first, last in zip(planes, planes[1:], strict=False):
+        for first, last in pairwise(planes):
             frame_pair(first, last, residual)
 
     seconds = repeated(all_frames)
@@ -223,8 +222,3 @@ def repeated(action: Callable[[], object], repeats: int = REPEATS) -> list[float
         action()
         seconds.append(time.perf_counter() - begin)
     return seconds
-
-
-def camera_named(name: str) -> Camera:
-    """The camera of that name."""
-    return Camera.load(name)

@@ -1,7 +1,7 @@
 """The scene that speed is measured on: what published figures for other simulators were measured on, too.
 
-Smooth textures moving 1.5 pixels a frame, three hard edges, a flickering patch and a static one; about 86 % of
-the pixels change in each frame, and about 0.2 events come for each pixel and frame at 240 fps.
+Smooth textures moving 1.5 pixels a frame, three hard edges, a flickering patch and a static one; 87 % of the
+pixels change in each frame, and 0.19 events come for each pixel and frame at 240 fps (346x260, base model).
 """
 
 import numpy as np

@@ -109,6 +109,12 @@ def _add_camera(parser: argparse.ArgumentParser) -> None:
         "--seed", metavar="N", help="the same seed and frames give the same events (default: 0)"
     )
     camera.add_argument(
+        "--upsample",
+        metavar="HOW",
+        help="frames between frames: linear, cubic, auto (along the motion, in steps below a pixel) or a "
+        "number of steps (default: off, which is linear in serve and cubic in convert)",
+    )
+    camera.add_argument(
         "--set",
         metavar="EFFECT.NAME=VALUE",
         action="append",
@@ -153,6 +159,7 @@ def _convert(args: argparse.Namespace) -> int:
         output=args.output,
         law=settings.law,
         seed=settings.seed,
+        upsample="cubic" if settings.upsample == "off" else settings.upsample,
         seconds=args.seconds,
         overwrite=args.overwrite,
     )
@@ -170,7 +177,9 @@ def _given(args: argparse.Namespace) -> dict[str, Any]:
     """What the command line says, in the config file's layout."""
     given = {key: value for key, value in vars(args).items() if value is not None}
     content: dict[str, Any] = {
-        key: given[key] for key in ("camera", "law", "seed", "http", "zmq", "encoding") if key in given
+        key: given[key]
+        for key in ("camera", "law", "seed", "upsample", "http", "zmq", "encoding")
+        if key in given
     }
     source = {key: given[key] for key in SOURCE_FIELDS if key in given}
     for key in ("source", "input"):

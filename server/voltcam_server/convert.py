@@ -4,7 +4,7 @@ import threading
 import time
 import zipfile
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from tqdm import tqdm
@@ -13,7 +13,7 @@ from voltcam_client.formats import SUFFIXES, Recording, Writer, open_writer, rea
 from voltcam_client.formats.npz import PARTIAL
 from voltcam_client.meter import short
 from voltcam_simulator import Camera, Law, Simulator
-from voltcam_video import Frame, Source, SourceError, SourceRequest, fit, open_source
+from voltcam_video import Frame, Source, SourceError, SourceRequest, Upsampling, between, fit, open_source
 
 from .problems import UsageError, one_line
 from .signals import ended_by_signal
@@ -28,6 +28,7 @@ class Conversion:
     output: Path
     law: Law = "exact"
     seed: int = 0
+    upsample: Upsampling = "cubic"
     seconds: float | None = None
     overwrite: bool = False
 
@@ -55,12 +56,20 @@ def _simulate(source: Source, job: Conversion, stop: threading.Event) -> str:
     width, height = job.camera.width, job.camera.height
     simulator = Simulator(width, height, job.camera.parameters, job.law, job.seed)
     frames, began_s = 0, time.monotonic()
+
+    def fitted() -> Iterator[Frame]:
+        nonlocal frames
+        last_us: int | None = None
+        for frame in _progress(_until(source, job.seconds, stop), source, writer):
+            if last_us is not None and frame.t_us <= last_us:
+                raise ValueError(f"its time, {frame.t_us} us, does not come after the last one, {last_us} us")
+            yield replace(frame, image=fit(frame.image, width, height, job.source.fit))
+            frames, last_us = frames + 1, frame.t_us
+
     with open_writer(job.output, width=width, height=height, overwrite=job.overwrite) as writer:
         try:
-            for frame in _progress(_until(source, job.seconds, stop), source, writer):
-                image = fit(frame.image, width, height, job.source.fit)
-                writer.events(simulator.advance(image, frame.t_us))
-                frames += 1
+            for frame in between(fitted(), job.upsample):
+                writer.events(simulator.advance(frame.image, frame.t_us))
         except (SourceError, ValueError) as error:
             where = "" if isinstance(error, SourceError) else f"{job.source.shown}, frame {frames}: "
             kept = f"the {writer.event_count} events before it are kept in {job.output}"

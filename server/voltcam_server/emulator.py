@@ -21,7 +21,7 @@ from .messages import Message, events_message, frame_message, status_message
 from .pacer import Pacer, Slice
 from .problems import UsageError
 from .recorder import Recorder, RecordingStatus
-from .settings import PacketSettings
+from .settings import PacketSettings, Upsample
 from .simulation import Interval, Simulation
 from .status import FrameCounts, Latency, Meter, SourceStatus, Status
 from .transports import Transport
@@ -42,12 +42,13 @@ class Emulator:
         *,
         law: Law = "exact",
         seed: int = 0,
+        upsample: Upsample = "off",
         packets: PacketSettings | None = None,
         transports: Sequence[Transport] = (),
         on_failure: Callable[[], None] = lambda: None,
     ) -> None:
         self.camera = camera
-        self.simulation = Simulation(camera, law, seed)
+        self.simulation = Simulation(camera, law, seed, upsample)
         self.failure: Exception | None = None
         self._transports = transports
         self._on_failure = on_failure

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -22,6 +22,7 @@ from voltcam_video import SourceRequest
 from .problems import KeyPath, UsageError, explain, faults, one_line
 
 EncodingName = Literal["libcaer", "mono", "evt3", "libcaer_cmp"]
+Upsample = Literal["off", "linear", "cubic", "auto"] | Annotated[int, Field(ge=1, le=64)]
 ENV_PREFIX = "VOLTCAM_"
 NOT_SETTINGS = {"VOLTCAM_DATA"}  # where the project's tests find recordings
 SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -63,6 +64,12 @@ class Settings(BaseSettings):
     )
     seed: int = Field(default=0, ge=0, lt=2**63, description="the same seed and frames give the same events")
     source: SourceRequest = Field(default_factory=SourceRequest, description="where frames come from")
+    upsample: Upsample = Field(
+        default="off",
+        description="frames between frames. linear: none, light goes in straight lines; cubic: on a monotone "
+        "curve through the neighbouring frames, a frame later; auto: along the motion, in steps below a "
+        "pixel; N: likewise, in N steps; off: linear in serve, cubic in convert",
+    )
     parameters: Parameters = Field(
         default_factory=Parameters, description="changes to the camera's parameters, nested by effect"
     )

@@ -2,7 +2,7 @@
 
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from voltcam_simulator import EVENT, Camera, Law, Parameters, Simulator
 from voltcam_simulator.simulator import LONGEST_INTERVAL_US
-from voltcam_video import Image, fit
+from voltcam_video import Frame, Image, along_cubic, along_flow, fit, follows
 
 from .mailbox import Arrival
 from .problems import one_line
+from .settings import Upsample
 
 PATIENCE_FRAMES = 10  # so many stamps in a row that do not advance mean that the source's clock was set back
 FIRST_PERIOD_US = 33_333
@@ -47,10 +48,11 @@ class Simulation:
     """A camera fed frame by frame; `change` may be called from any thread.
 
     Times run on across cuts and changes of source: a frame that starts again at an earlier time is moved to
-    one frame period after the last one, and those after it likewise.
+    one frame period after the last one, and those after it likewise. With upsample "cubic" frames are taken
+    one later, when the curve beyond them is known.
     """
 
-    def __init__(self, camera: Camera, law: Law, seed: int) -> None:
+    def __init__(self, camera: Camera, law: Law, seed: int, upsample: Upsample = "off") -> None:
         self.camera = camera
         self.simulated = 0
         self.out_of_order = 0
@@ -58,6 +60,10 @@ class Simulation:
         self.fault = ""  # why the last unusable frame was one
         _compile(camera.parameters, law)
         self._simulator = Simulator(camera.width, camera.height, camera.parameters, law, seed)
+        self._upsample = upsample
+        self._next: Arrival | None = None  # with "cubic": what comes after the frame at hand
+        self._before: Frame | None = None  # the last two frames, as simulated
+        self._former: Frame | None = None
         self._lock = threading.Lock()
         self._wanted = (camera.parameters, 0)
         self._version = 0
@@ -84,6 +90,12 @@ class Simulation:
 
     def step(self, arrival: Arrival) -> Interval | None:
         """The interval that this frame ends; None for a frame that cannot be used, which is counted."""
+        if self._upsample != "cubic":
+            return self._step(arrival)
+        current, self._next = self._next, arrival
+        return None if current is None else self._step(current)
+
+    def _step(self, arrival: Arrival) -> Interval | None:
         t_us = arrival.frame.t_us + self._shift_us
         span_us = 0 if self._last_us is None else t_us - self._last_us
         cut = arrival.cut or self._last_us is None or span_us > LONGEST_INTERVAL_US
@@ -103,9 +115,29 @@ class Simulation:
             return None
 
     def _advance(self, image: Image, t_us: int, span_us: int, arrival: Arrival) -> Interval:
-        events = self._simulator.advance(image, t_us)
+        frame = Frame(image, t_us)
+        steps = [*self._in_between(frame), frame]
+        events = [self._simulator.advance(step.image, step.t_us) for step in steps]
         self._period_us = span_us
-        return self._done(events, t_us - span_us, t_us, image, arrival)
+        all_events = events[0] if len(events) == 1 else np.concatenate(events)
+        return self._done(all_events, t_us - span_us, frame, arrival)
+
+    def _in_between(self, frame: Frame) -> Iterator[Frame]:
+        """The frames between the former one and this."""
+        if self._former is None or self._upsample in ("off", "linear"):
+            return iter(())
+        if self._upsample == "cubic":
+            return along_cubic(self._before, self._former, frame, self._after(frame))
+        steps = self._upsample if isinstance(self._upsample, int) else None
+        return along_flow(self._former, frame, steps)
+
+    def _after(self, frame: Frame) -> Frame | None:
+        """The frame that comes next, where the scene goes on to it."""
+        if self._next is None or self._next.cut:
+            return None
+        image = fit(self._next.frame.image, self.camera.width, self.camera.height, self._next.fit)
+        after = Frame(image, self._next.frame.t_us + self._shift_us)
+        return after if follows(frame, after) else None
 
     def _cut(self, image: Image, arrival: Arrival) -> Interval:
         """Go on from a frame that does not follow from the last one: no events for the change."""
@@ -114,16 +146,23 @@ class Simulation:
         t_us = arrival.frame.t_us + shift_us
         self._simulator.jump(image, t_us)
         self._shift_us = shift_us
-        return self._done(np.empty(0, EVENT), t_us, t_us, image, arrival)
+        self._former = None
+        return self._done(np.empty(0, EVENT), t_us, Frame(image, t_us), arrival)
 
-    def _done(
-        self, events: NDArray[np.void], start_us: int, end_us: int, image: Image, arrival: Arrival
-    ) -> Interval:
-        self._last_us = end_us
+    def _done(self, events: NDArray[np.void], start_us: int, frame: Frame, arrival: Arrival) -> Interval:
+        self._last_us = frame.t_us
+        self._before, self._former = self._former, frame
         self._stuck = 0
         self.simulated += 1
         return Interval(
-            events, start_us, end_us, image, self._version, arrival.at_s, time.monotonic(), arrival.paced
+            events,
+            start_us,
+            frame.t_us,
+            frame.image,
+            self._version,
+            arrival.at_s,
+            time.monotonic(),
+            arrival.paced,
         )
 
     def _take_parameters(self) -> None:

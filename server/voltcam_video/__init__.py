@@ -5,9 +5,13 @@ or stream open for as long as the daemon runs. Knows no other package of this pr
 """
 
 from voltcam_video.clock import Clock
+from voltcam_video.cubic import along_cubic
+from voltcam_video.flow import along_flow
 from voltcam_video.frame import Fit, Frame, Image, fit, luminance
+from voltcam_video.interval import follows
 from voltcam_video.request import SourceRequest
 from voltcam_video.sources import Granted, Source, SourceError, open_source
+from voltcam_video.upsample import Upsampling, between
 from voltcam_video.watch import SourceState, watch
 
 __all__ = [
@@ -20,7 +24,12 @@ __all__ = [
     "SourceError",
     "SourceRequest",
     "SourceState",
+    "Upsampling",
+    "along_cubic",
+    "along_flow",
+    "between",
     "fit",
+    "follows",
     "luminance",
     "open_source",
     "watch",

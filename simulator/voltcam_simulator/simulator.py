@@ -20,8 +20,7 @@ class Simulator:
     """A sensor of width x height pixels, by `law` "exact" (Brownian motion itself) or "paper".
 
     The same seed gives the same events, for any number of threads. `parameters` may be assigned between two
-    frames and hold for all
-    that follows; voltages are kept.
+    frames and hold for all that follows; voltages are kept.
     """
 
     def __init__(
@@ -113,7 +112,7 @@ class Simulator:
             image = after  # of a step that ends earlier, on the straight line to it
             if step < steps:
                 share = np.float32(end / span_us)
-                image = (1 - share) * before + share * after
+                image = ((1 - share) * before + share * after).astype(np.float32, copy=False)
             self._pixels.step(image, self._t_us, float(start), float(end - start))
             start = end
 

@@ -2,7 +2,10 @@
 
 import asyncio
 import gc
+import subprocess
+import sys
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -184,3 +187,24 @@ def test_what_is_no_voltcam_message_is_an_error_that_names_the_address(
             with pytest.raises(PacketError, match=publisher.url):
                 next(camera)
         assert next(camera).seq == 0
+
+
+def test_a_daemon_that_ends_while_the_queue_is_full_does_not_take_the_robot_with_it() -> None:
+    """libzmq aborts the process there when its own heartbeats are on."""
+    program = """
+import time
+from conftest import Publisher, make_packet
+from voltcam_client import EventCamera
+publisher = Publisher(queue_length=100_000)
+camera = EventCamera(publisher.url, queue_length=10)
+publisher.wait_for_subscribers()
+publisher.send(*(make_packet(seq) for seq in range(2000)))
+publisher.close()
+time.sleep(2.5)  # within which it would abort
+print("alive")
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=Path(__file__).parent,
+        capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout) == (0, "alive\n"), done.stderr

@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,9 @@ DATA = Path(os.environ.get("VOLTCAM_DATA", Path(__file__).parents[3] / "shared" 
 
 
 def job(source: str | Path, output: Path, camera: Camera | None = None) -> Conversion:
-    return Conversion(SourceRequest(uri=str(source), pace="fast"), camera or tiny(), output, seed=2)
+    return Conversion(
+        SourceRequest(uri=str(source), pace="fast"), camera or tiny(), output, seed=2, upsample="linear"
+    )
 
 
 @pytest.mark.parametrize("start_us", [0, 1_700_000_000_000_000])
@@ -146,8 +149,6 @@ def test_real_frames_give_images_like_the_real_events(
         pytest.skip(f"no recording at {folder}: set VOLTCAM_DATA")
     camera = Camera.load("davis240c")
     request = SourceRequest(uri=str(folder), pace="fast")
-    convert(Conversion(request, camera, tmp_path / "out.npz", seed=1, seconds=0.6))
-    made = read(tmp_path / "out.npz").events
     seconds, x, y = np.loadtxt(folder / "events.txt", usecols=(0, 1, 2), max_rows=150_000).T
     starts = np.arange(100_000, 500_000, 50_000)
 
@@ -155,9 +156,31 @@ def test_real_frames_give_images_like_the_real_events(
         edges = [*starts, starts[-1] + 50_000], range(181), range(241)
         return np.histogramdd((t_us, y, x), edges)[0].reshape(starts.size, -1)
 
-    simulated, real = counts(made["t"], made["x"], made["y"]), counts(seconds * 1e6, x, y)
-    same = np.diag(np.corrcoef(simulated, real)[: starts.size, starts.size :])
+    real, likeness = counts(seconds * 1e6, x, y), {}
+    for upsample in ("linear", "cubic", "auto"):
+        output = tmp_path / f"{upsample}.npz"
+        convert(Conversion(request, camera, output, seed=1, seconds=0.6, upsample=upsample))
+        made = read(output).events
+        simulated = counts(made["t"], made["x"], made["y"])
+        same = np.diag(np.corrcoef(simulated, real)[: starts.size, starts.size :])
+        likeness[upsample] = float(np.median(same))
+        assert same.min() > 0.5
     with capsys.disabled():
-        print(f"\nslider_depth: correlation of 50 ms event-count images {np.median(same):.3f}")  # noqa: T201
-    assert np.median(same) > 0.55
-    assert same.min() > 0.5
+        print(f"\nslider_depth: correlation of 50 ms event-count images {likeness}")  # noqa: T201
+    assert likeness["auto"] > likeness["linear"] + 0.03 > 0.58
+
+
+def test_between_frames_light_follows_the_chosen_curve(tmp_path: Path) -> None:
+    """A pixel that brightens ever faster: on the cubic its events come later than on straight lines."""
+    levels = (20 * 1.5 ** np.arange(6) ** 1.4).clip(0, 255)
+    frames = np.broadcast_to(levels[:, None, None], (6, 16, 24)).astype(np.uint8)
+    middles = {}
+    for upsample in ("linear", "cubic"):
+        output = tmp_path / f"{upsample}.npz"
+        source = save_frames(tmp_path / f"{upsample}-in.npz", frames)
+        convert(replace(job(source, output), upsample=upsample))
+        events = read(output).events
+        assert (np.diff(events["t"]) >= 0).all()
+        middles[upsample] = events["t"].mean()
+    assert middles["cubic"] != middles["linear"]
+    assert abs(middles["cubic"] - middles["linear"]) < 2_000

@@ -122,7 +122,7 @@ def test_the_page_is_there(daemon: Daemon) -> None:
 
 
 def test_the_switch_is_exact_and_an_invalid_change_is_none() -> None:
-    with Daemon() as daemon:
+    with Daemon("--camera", "paper") as daemon:
         control = Control(daemon.url)
         before = control.parameters()
         with pytest.raises(ControlError, match=r"comparator\.theta_off: Input should be greater"):
