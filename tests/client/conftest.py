@@ -2,12 +2,14 @@
 
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
 import zmq
 
+from voltcam_client import EventCamera
 from voltcam_client.packet import (
     EVENT,
     TOPIC_EVENTS,
@@ -50,6 +52,7 @@ class Publisher:
 
     def __init__(self, port: int = 0, queue_length: int = 1000) -> None:
         self._socket = zmq.Context.instance().socket(zmq.XPUB)
+        self._subscriptions: Counter[bytes] = Counter()  # seen and not yet waited for
         self._socket.linger = 0
         self._socket.sndhwm = queue_length
         self._socket.xpub_verboser = True
@@ -69,10 +72,19 @@ class Publisher:
                     raise
                 time.sleep(0.01)
 
-    def wait_for_subscribers(self, topic: bytes = TOPIC_EVENTS, count: int = 1) -> None:
-        while count:
-            assert self._socket.poll(10_000), "nobody subscribed"
-            count -= self._socket.recv() == b"\x01" + topic
+    def wait_for_subscribers(
+        self, topic: bytes = TOPIC_EVENTS, count: int = 1, client: EventCamera | None = None
+    ) -> None:
+        """Wait until `count` have subscribed. After a reconnection a client does so only while it receives:
+        then name it, and it is made to."""
+        deadline = time.monotonic() + 10
+        while self._subscriptions[b"\x01" + topic] < count:
+            assert time.monotonic() < deadline, "nobody subscribed"
+            if client is not None:
+                assert client.receive(0) is None
+            if self._socket.poll(20):
+                self._subscriptions[self._socket.recv()] += 1
+        self._subscriptions[b"\x01" + topic] -= count
 
     def send(self, *messages: Packet | FrameMessage) -> None:
         for message in messages:

@@ -68,7 +68,7 @@ def test_it_may_be_there_before_the_daemon(publish: Any, make_packet: Any) -> No
     with EventCamera(gone.url, timeout_s=10) as camera:
         assert camera.receive(0) is None
         daemon = publish(port=gone.port)
-        daemon.wait_for_subscribers()
+        daemon.wait_for_subscribers(client=camera)
         daemon.send(make_packet(3))
         assert next(camera).seq == 3
 
