@@ -1,5 +1,6 @@
 """`voltcam serve` as a user has it: a process, its ports, its signals; measured in the packets received."""
 
+import re
 import signal
 import socket
 import subprocess
@@ -23,15 +24,7 @@ from voltcam_simulator.effects.junction_leak import arrhenius
 from .rig import PATIENCE_S, Daemon, free_port, save_frames, until, voltcam, voltcam_path
 
 WIDTH, HEIGHT = 64, 48
-SIMPLE = """
-from voltcam_client import EventCamera
-camera = EventCamera("{zmq}", timeout_s=20)
-for packet, _ in zip(camera, range(500)):
-    events = packet.events
-    assert (events["t"][1:] >= events["t"][:-1]).all()
-    assert (events["x"] < packet.width).all() and (events["y"] < packet.height).all()
-    print(packet.seq, events.size)
-"""
+README = Path(__file__).parents[2] / "README.md"
 
 
 def camera_file(folder: Path, **parameters: object) -> str:
@@ -81,13 +74,17 @@ def daemon() -> Iterator[Daemon]:
         yield daemon
 
 
-def test_a_subscriber_of_ten_lines_gets_sound_packets(daemon: Daemon) -> None:
-    program = SIMPLE.format(zmq=daemon.zmq)
+def test_the_readme_s_ten_lines_get_sound_packets(daemon: Daemon) -> None:
+    program = re.findall(r"```python\n(.*?)```", README.read_text(), re.DOTALL)[0]
+    assert "tcp://127.0.0.1:5560" in program
     done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, timeout=PATIENCE_S, check=False
-    )
+        [sys.executable, "-c", program.replace("tcp://127.0.0.1:5560", daemon.zmq)],
+        capture_output=True, text=True, timeout=PATIENCE_S, check=False,
+    )  # fmt: skip
     assert done.stderr == ""
-    seq, sizes = np.array([line.split() for line in done.stdout.splitlines()], int).T
+    *packets, lost = done.stdout.splitlines()
+    assert lost == "0 packets lost"
+    seq, sizes = np.array([line.split() for line in packets], int).T
     assert (np.diff(seq) == 1).all()
     assert sizes.sum() > 1000
 
