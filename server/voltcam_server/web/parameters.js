@@ -25,11 +25,12 @@ export function buildPanel(root, schema, camera, change) {
   for (const [effect, { $ref, description }] of groups) {
     const model = schema.$defs[$ref.split("/").at(-1)];
     const about = (description ?? model.description ?? "").split("\n")[0];
-    const own = element("details", { open: true, className: "group" }, [
+    const inside = Object.entries(model.properties ?? {});
+    const open = !isOff(inside, camera[effect]);
+    const own = element("details", { open, className: "group" }, [
       element("summary", { title: about }, [element("code", {}, [effect]), element("span", {}, [about])]),
     ]);
-    for (const [name, inner] of Object.entries(model.properties ?? {}))
-      add([effect, name], inner, own, camera[effect]?.[name]);
+    for (const [name, inner] of inside) add([effect, name], inner, own, camera[effect]?.[name]);
     root.append(own);
   }
 
@@ -37,4 +38,10 @@ export function buildPanel(root, schema, camera, change) {
     for (const [path, field] of fields)
       field.confirm(path.reduce((inner, key) => inner?.[key], parameters));
   };
+}
+
+/** Whether the camera leaves an effect as it is by default, at 0: then its group is shown folded. */
+function isOff(properties, values) {
+  const asByDefault = properties.every(([name, { default: standard }]) => values?.[name] === standard);
+  return asByDefault && properties.some(([, { default: standard }]) => standard === 0);
 }
