@@ -178,7 +178,7 @@ def find_touching(
     count = 0
     for k in range(start.shape[0]):
         touching[count] = k
-        count += slack[pixels[k]] > 0.0 or held[pixels[k]] > 0.0 or not inside[k]
+        count += (slack[pixels[k]] > 0.0) | (held[pixels[k]] > 0.0) | (not inside[k])
     return count
 
 
@@ -193,33 +193,48 @@ def first_crossings(
     the path goes on: from voltage x at time free, after the dead time, to y at the end of the step.
     """
     n = touching.shape[0]
-    own, gauss, other, u, reset = np.empty(n, np.uint64), np.empty(n), np.empty(n), np.empty(n), np.zeros(n)
-    for c in range(n):
-        own[c] = states[touching[c]]
-    normals(own, gauss, other)
-    uniforms(own, u)
-    if reset_sigma > 0.0:
-        normals(own, reset, x[:n])
+    own, gauss, other, u = np.empty(n, np.uint64), np.empty(n), np.empty(n), np.empty(n)
+    distance, beyond, variance = np.empty(n), np.empty(n), np.empty(n)
     for c in range(n):
         k = touching[c]
-        states[k] = own[c]
+        own[c] = states[k]
         above, below, begin, stop = a[k], b[k], start[k], end[k]
         on = stop >= above
-        barrier = above if on else -below
-        distance = above - begin if on else begin + below
-        beyond = stop - above if on else -below - stop
+        distance[c] = above - begin if on else begin + below
+        beyond[c] = stop - above if on else -below - stop
+        variance[c] = noise2[k] * span
         reach = (begin + below) * (stop + below) if on else (above - begin) * (above - stop)
-        sure = (beyond >= 0.0) & (distance > 0.0) & (reach >= -0.5 * LOG_MISS * noise2[k] * span)
-        time[c] = span * touching_share(distance, beyond, noise2[k] * span, gauss[c], u[c])
-        left = span - time[c]
-        share = min(period / left, 1.0) if left > 0.0 else 1.0  # of what is left, in the dead time
-        path = barrier + share * (stop - barrier)
-        path += math.sqrt(noise2[k] * left * share * (1.0 - share)) * other[c]
-        level = min(max(reset_sigma * reset[c], -0.9 * below), 0.9 * above)
+        sure = (beyond[c] >= 0.0) & (distance[c] > 0.0) & (reach >= -0.5 * LOG_MISS * variance[c])
         side[c] = (1 if on else -1) if sure else 0
-        free[c] = time[c] + period if sure else 0.0
-        x[c] = level if sure else begin
-        y[c] = level + stop - path if sure else stop
+        x[c] = 0.0 if sure else begin
+        y[c] = (beyond[c] if on else -beyond[c]) if sure else stop
+    normals(own, gauss, other)
+    uniforms(own, u)
+    for c in range(n):
+        time[c] = span * touching_share(distance[c], beyond[c], variance[c], gauss[c], u[c])
+    for c in range(n):
+        free[c] = time[c] + period if side[c] != 0 else 0.0
+    if period > 0.0:
+        sleep(time[:n], other, variance, span, period, side, y)
+    if reset_sigma > 0.0:
+        normals(own, gauss, other)
+        for c in range(n):
+            k = touching[c]
+            level = min(max(reset_sigma * gauss[c], -0.9 * b[k]), 0.9 * a[k]) if side[c] != 0 else 0.0
+            x[c] += level
+            y[c] += level
+    for c in range(n):
+        states[touching[c]] = own[c]
+
+
+@kernel
+def sleep(time: Any, gauss: Any, variance: Any, span: Any, period: Any, side: Any, y: Any) -> None:
+    """Take what paths do in the dead time after their first event off their ends y; variance is the step's."""
+    for c in range(time.shape[0]):
+        left = span - time[c]
+        share = min(period / left, 1.0) if left > 0.0 else 1.0
+        slept = share * y[c] + math.sqrt(variance[c] / span * left * share * (1.0 - share)) * gauss[c]
+        y[c] -= slept if side[c] != 0 else 0.0
 
 
 @kernel
