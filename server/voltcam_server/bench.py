@@ -182,18 +182,23 @@ def numpy_paper_law(frames: Frames) -> list[Figure]:
 
 
 def memory(parameters: Parameters) -> list[Figure]:
-    """Bytes of state for each pixel, and what a thousand frames add to it."""
-    frames = moving(40, 346, 260)
-    simulator = Simulator(346, 260, parameters, seed=1)
-    sizes = []
-    for i in range(1000):
-        simulator.advance(frames[i % 40], (i + 1) * 4000)
-        sizes.append(simulator.state_bytes)
-    per_pixel = simulator.state_bytes / frames[0].size
-    return [
-        Figure.of("state, 346x260, base model", [per_pixel], "bytes/pixel"),
-        Figure.of("growth of the state from frame 500 to 1000", [float(sizes[-1] - sizes[499])], "bytes"),
-    ]
+    """Bytes of state for each pixel, and what five hundred more frames add to state and events."""
+    figures = []
+    for size, (width, height, _) in SIZES.items():
+        frames = moving(6, width, height)
+        simulator = Simulator(width, height, parameters, seed=1)
+        sizes = []
+        for i in range(1000 if width < 1000 else 20):
+            simulator.advance(frames[i % 6], (i + 1) * 4000)
+            sizes.append(float(simulator.state_bytes + simulator.event_bytes))
+        figures.append(
+            Figure.of(f"{size} state, base model", [simulator.state_bytes / frames[0].size], "bytes/pixel")
+        )
+        if width < 1000:
+            figures.append(
+                Figure.of(f"{size} growth from frame 500 to 1000", [sizes[-1] - sizes[499]], "bytes")
+            )
+    return figures
 
 
 def start() -> list[Figure]:

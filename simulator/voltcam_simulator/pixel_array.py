@@ -7,17 +7,18 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from .crossings import cross
 from .effect import Band, Effect, Plane, Sensor, State, overrides
+from .lazy import gather, take_over
 from .paper_law import cross_by_paper
 from .parameters import Parameters
-from .pixel import cross, gather, take_over
 from .random import CROSSINGS, START, interval_key
 from .rows import Image, Keys, Room, Rows, kick_arrays
 from .stationary import start_voltage
 
 Law = Literal["exact", "paper"]
 
-BAND_PIXELS = 32768  # few enough for the planes of a band to stay in cache, enough to drown the calls' cost
+BAND_PIXELS = 65536  # few enough for the planes of a band to stay in cache, enough to drown the calls' cost
 
 
 class PixelArray:
@@ -142,11 +143,16 @@ class PixelArray:
 
     @property
     def state_bytes(self) -> int:
-        """Memory of all planes and of the room for events."""
+        """Memory of all planes, without the events of an interval."""
         own = [self.voltage, self._pending, self.light, self._response, self._held]
         own += [self.sensor.theta_on, self.sensor.theta_off]
         own += [array for state in self.state.values() for array in state.values()]
         return sum(array.nbytes for array in own) + sum(room.nbytes for room in self._rooms)
+
+    @property
+    def event_bytes(self) -> int:
+        """Memory of the space for the events of an interval."""
+        return sum(room.event_bytes for room in self._rooms)
 
     def _seen(self, rows: Rows, image: Image, start_us: int, span_us: float) -> Band:
         """A band at the end of a step: light and response there."""

@@ -38,8 +38,13 @@ class Room:
 
     @property
     def nbytes(self) -> int:
-        """Memory it holds."""
-        return self.planes.nbytes + self.zeros.nbytes + self.near.nbytes + self._keys.nbytes
+        """Memory of the scratch planes, without the events."""
+        return self.planes.nbytes + self.zeros.nbytes + self.near.nbytes
+
+    @property
+    def event_bytes(self) -> int:
+        """Memory of the space for event keys."""
+        return self._keys.nbytes
 
 
 @dataclass(slots=True, eq=False)

@@ -50,8 +50,14 @@ class Simulator:
 
     @property
     def state_bytes(self) -> int:
-        """Memory of the state and of the room for the events of an interval."""
-        return self._pixels.state_bytes
+        """Memory of the state, without the events of an interval."""
+        frame = 0 if self._frame is None else self._frame.nbytes
+        return self._pixels.state_bytes + frame
+
+    @property
+    def event_bytes(self) -> int:
+        """Memory of the space for the events of an interval, which grows to what the busiest one needs."""
+        return self._pixels.event_bytes
 
     @property
     def parameters(self) -> Parameters:

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
-from voltcam_simulator.pixel import cross
+from voltcam_simulator.crossings import cross
 from voltcam_simulator.random import CROSSINGS, interval_key
 
 Floats = NDArray[np.float64]

@@ -167,6 +167,19 @@ def test_thousands_of_events_of_one_pixel_in_one_frame() -> None:
     assert np.bincount(events["x"]).tolist() == pytest.approx([len(events) / 3] * 3, abs=4)
 
 
+@pytest.mark.parametrize("camera", ["paper", "noisy"])
+def test_threads_do_not_show_in_the_events(camera: str) -> None:
+    frames = np.random.default_rng(2).integers(0, 256, (4, 60, 80), np.uint8)
+    parameters = Parameters.of(camera).changed({"aps_coupling": {"exposure_kick": 0.1}})
+    runs = []
+    for threads in (1, 2, 3):
+        simulator = Simulator(80, 60, parameters, seed=4, threads=threads)
+        events = [simulator.advance(frame, 9000 * i) for i, frame in enumerate(frames)]
+        runs.append(np.concatenate(events).tobytes())
+    assert len(runs[0]) > 13 * 4800
+    assert runs[0] == runs[1] == runs[2]
+
+
 def test_the_same_seed_gives_the_same_events_and_another_does_not() -> None:
     def run(seed: int) -> Events:
         return watch_still(Simulator(30, 30, Parameters.of("davis240c"), seed=seed), 200, 0.5, 60)

@@ -1,10 +1,4 @@
-"""A pixel over one step: the lazy sweep over all pixels, and the drawn paths of those near a barrier.
-
-Noise is lazy: while both barriers are more than `REACH` pending standard deviations away nothing can
-happen, so drift adds to a mean and noise to a pending variance, and nothing is drawn (`gather`). For the
-other pixels the voltage is drawn and the path followed event by event (`cross`), by the laws of
-`first_passage`.
-"""
+"""The pixels near a barrier over one step: their paths drawn in blocks, and their events."""
 
 import math
 from typing import Any
@@ -12,53 +6,13 @@ from typing import Any
 import numpy as np
 
 from .event_key import event_address, event_key
-from .first_passage import LOG_MISS, exit_of_bridge, needs_cut, stays_inside, touching_share
+from .first_passage import LOG_MISS, stays_inside, touching_share
 from .kernel import kernel
-from .random import normal, normals, sequences, uniforms
+from .path import DEEPEST, follow, walk
+from .random import normals, sequences, uniforms
 
-REACH = 7.4
-"""Standard deviations beyond which a barrier is out of reach: 4 Q(7.4) < 3e-13."""
 BLOCK = 512
 """Pixels that are drawn together: their numbers stay in the first cache."""
-DEEPEST = 64
-"""Halvings of an interval after which its two ends are the same number."""
-
-
-@kernel
-def take_over(light: Any, response: Any, drift: Any, last_light: Any, last_response: Any) -> None:
-    """Add the change of response to the drift; the new light and response become the last. (pixels,)."""
-    for i in range(drift.shape[0]):
-        drift[i] += response[i] - last_response[i]
-        last_response[i] = response[i]
-        last_light[i] = light[i]
-
-
-@kernel
-def gather(
-    voltage: Any, pending: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any, held: Any,
-    near: Any,
-) -> Any:  # fmt: skip
-    """Let drift and noise gather where no barrier is within reach.
-
-    All arrays (pixels,) float32; held: dead time left [us]. near (pixels + 1,) int32 receives the indices of
-    the other pixels, which stay as they were. Returns their number. Two loops, because the first is then
-    vectorised.
-    """
-    reach2 = np.float32(REACH * REACH)
-    far = np.empty(voltage.shape[0], np.bool_)
-    for i in range(voltage.shape[0]):
-        start = voltage[i]
-        end = start + drift[i]
-        variance = pending[i] + noise[i] * noise[i] * span
-        closest = min(above[i] - max(start, end), below[i] + min(start, end))
-        far[i] = (closest > 0) & (closest * closest > reach2 * variance) & (held[i] <= 0)
-        voltage[i] = end if far[i] else start
-        pending[i] = variance if far[i] else pending[i]
-    count = 0
-    for i in range(voltage.shape[0]):
-        near[count] = i
-        count += not far[i]
-    return count
 
 
 @kernel
@@ -229,101 +183,9 @@ def first_crossings(
 
 @kernel
 def sleep(time: Any, gauss: Any, variance: Any, span: Any, period: Any, side: Any, y: Any) -> None:
-    """Take what paths do in the dead time after their first event off their ends y; variance is the step's."""
+    """Take what paths do in the dead time after their first event off their ends; variance of the step."""
     for c in range(time.shape[0]):
         left = span - time[c]
         share = min(period / left, 1.0) if left > 0.0 else 1.0
         slept = share * y[c] + math.sqrt(variance[c] / span * left * share * (1.0 - share)) * gauss[c]
         y[c] -= slept if side[c] != 0 else 0.0
-
-
-@kernel
-def walk(
-    state: Any, x: Any, drift: Any, now: Any, span: Any, noise2: Any, above: Any, below: Any, period: Any,
-    reset_sigma: Any, kick_times: Any, kick_sizes: Any, address: Any, offset: Any, cuts: Any, keys: Any,
-    written: Any,
-) -> Any:  # fmt: skip
-    """The whole step of one pixel from voltage x, free from `now` on, with kicks, dead time and resets.
-
-    Returns (written, voltage at the end, time from which the pixel is free), as `follow`.
-    """
-    kicks = kick_sizes.shape[0]
-    slope = (drift - kick_sizes.sum()) / span
-    for kick in range(kicks + 1):  # the path up to each kick, and to the end
-        end = span if kick == kicks else min(kick_times[kick], span)
-        if end > now:
-            x = min(max(x, -below), above)
-            state, gauss = normal(state)
-            variance = noise2 * (end - now)
-            y = x + slope * (end - now) + math.sqrt(variance) * gauss
-            if stays_inside(x, y, above, below, variance):
-                x, now = y, end
-            else:
-                state, written, x, now = follow(
-                    state, x, y, now, end, noise2, above, below, period, reset_sigma,
-                    address, offset, cuts, keys, written,
-                )  # fmt: skip
-                if written < 0:
-                    return written, x, now
-        if kick < kicks and now <= end:  # in its dead time a pixel memorises the kick
-            x += kick_sizes[kick]
-    return written, x, now
-
-
-@kernel
-def follow(
-    state: Any, x: Any, y: Any, begin: Any, end: Any, noise2: Any, above: Any, below: Any, period: Any,
-    reset_sigma: Any, address: Any, offset: Any, cuts: Any, keys: Any, written: Any,
-) -> Any:  # fmt: skip
-    """All events of one pixel from begin to end, its path going from x to y if there were no resets.
-
-    noise2: sigma^2 [1/us]; times [us]; cuts (2, DEEPEST + 1): room for the ends of bridges that were cut.
-    Fills keys[written:]. Returns (state, written, voltage at the end, time from which the pixel is free: end,
-    or later by what is left of its dead time); written is -1 when keys is full.
-    """
-    cuts[0, 0], cuts[1, 0] = end, y
-    depth, now, fallen = 0, begin, 0.0  # fallen: what resets have subtracted from the path so far
-    while depth >= 0:
-        left = cuts[0, depth] - now
-        stop = cuts[1, depth] - fallen
-        variance = noise2 * left
-        if depth < DEEPEST and needs_cut(x, stop, above, below, variance):
-            state, gauss = normal(state)
-            depth += 1
-            cuts[0, depth] = now + 0.5 * left
-            cuts[1, depth] = 0.5 * (x + stop) + 0.5 * math.sqrt(variance) * gauss + fallen
-            continue
-        state, side, time = exit_of_bridge(state, x, stop, left, variance, above, below)
-        if side == 0:
-            now, x = cuts[0, depth], stop
-            depth -= 1
-            continue
-        if written == keys.shape[0]:
-            return state, -1, 0.0, now
-        now = min(now + time, cuts[0, depth])
-        keys[written] = event_key(offset + now, address, side)
-        written += 1
-        path = fallen + (above if side > 0 else -below)  # where the path would be without resets
-        if period > 0.0:
-            state, depth, now, path = wait(state, depth, now, path, period, noise2, cuts)
-        x = 0.0
-        if reset_sigma > 0.0:
-            state, gauss = normal(state)
-            x = min(max(reset_sigma * gauss, -0.9 * below), 0.9 * above)
-        fallen = path - x
-    return state, written, x, now
-
-
-@kernel
-def wait(state: Any, depth: Any, now: Any, path: Any, period: Any, noise2: Any, cuts: Any) -> Any:
-    """Let the path go on through the dead time. Returns (state, depth, time, path) at its end."""
-    resume = now + period
-    while depth >= 0 and cuts[0, depth] <= resume:
-        now, path = cuts[0, depth], cuts[1, depth]
-        depth -= 1
-    if depth >= 0:
-        left = cuts[0, depth] - now
-        share = (resume - now) / left
-        state, gauss = normal(state)
-        path += share * (cuts[1, depth] - path) + math.sqrt(noise2 * left * share * (1.0 - share)) * gauss
-    return state, depth, resume, path
