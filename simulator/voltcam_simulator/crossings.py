@@ -18,30 +18,39 @@ BLOCK = 512
 @kernel
 def cross(
     voltage: Any, pending: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any, held: Any,
-    slack: Any, near: Any, first: Any, count: Any, key: Any, pixel0: Any, width: Any, period: Any,
-    reset_sigma: Any, kick_times: Any, kick_sizes: Any, offset: Any, keys: Any,
+    slack: Any, careful: Any, near: Any, first: Any, count: Any, key: Any, pixel0: Any, width: Any,
+    period: Any, reset_sigma: Any, kick_times: Any, kick_sizes: Any, offset: Any, keys: Any,
 ) -> Any:  # fmt: skip
     """Draw the paths of the pixels near[first:count] and pack their events into keys.
 
     key: `interval_key` of the step; pixel0: number of the band's first pixel; period [us]: dead time after an
     event; reset_sigma: spread of the voltage after a reset. kick_times [us] and kick_sizes, (kicks, rows),
     each row in order of time: sudden changes of voltage, which drift includes; slack (pixels,): more than 0
-    where there are some. offset [us]: start of the step in its interval.
+    where there are some; careful: False when no pixel is held or kicked. offset [us]: start of the step in its
+    interval.
     Returns (pixels done, events written). Stops before a block of pixels whose events do not fit into keys
     (capacity,) uint64; call again with more room, the same numbers are drawn.
 
     Pixels go in blocks: what all of them need, and the usual single crossing, are loops that the compiler
     vectorises (`draw_ends`, `find_touching`, `first_crossings`); the rest is followed one by one.
     """
-    written = 0
-    states, touching, side = (
-        np.empty(BLOCK, np.uint64),
-        np.empty(BLOCK + 1, np.int32),
-        np.empty(BLOCK, np.int8),
+    written, per_width = 0, 1.0 / width
+    states, touching = np.empty(BLOCK, np.uint64), np.empty(BLOCK + 1, np.int32)
+    start, end, a, b, noise2 = (
+        np.empty(BLOCK),
+        np.empty(BLOCK),
+        np.empty(BLOCK),
+        np.empty(BLOCK),
+        np.empty(BLOCK),
     )
-    start, end, a, b = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK)
-    noise2, time, cuts = np.empty(BLOCK), np.empty(BLOCK), np.empty((2, DEEPEST + 1))
-    x, y, free = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK)
+    side, time, x, y, free = (
+        np.empty(BLOCK, np.int8),
+        np.empty(BLOCK),
+        np.empty(BLOCK),
+        np.empty(BLOCK),
+        np.empty(BLOCK),
+    )
+    cuts = np.empty((2, DEEPEST + 1))
     for begin in range(first, count, BLOCK):
         pixels = near[begin : min(begin + BLOCK, count)]
         n, done = pixels.shape[0], written
@@ -50,29 +59,18 @@ def cross(
         sequences(key, pixel0, pixels, states)
         normals(states[:n], start[:n], end[:n])
         draw_ends(voltage, pending, drift, noise, span, above, below, pixels, start, end, a, b, noise2)
-        touches = find_touching(start[:n], end, a, b, noise2, span, held, slack, pixels, touching)
+        touches = find_touching(start[:n], end, a, b, noise2, span, touching)
+        if careful:
+            touches = find_held_and_kicked(touches, held, slack, pixels, touching)
         first_crossings(
-            touching[:touches],
-            states,
-            start,
-            end,
-            a,
-            b,
-            noise2,
-            span,
-            period,
-            reset_sigma,
-            side,
-            time,
-            x,
-            y,
-            free,
-        )
+            touching[:touches], states, start, end, a, b, noise2, span, period, reset_sigma,
+            side, time, x, y, free,
+        )  # fmt: skip
         for c in range(touches):
             k = touching[c]
             i = pixels[k]
-            address = event_address(pixel0 + i, width)
-            if slack[i] > 0.0 or held[i] > 0.0:
+            address = event_address(pixel0 + i, width, per_width)
+            if careful and (slack[i] > 0.0 or held[i] > 0.0):
                 row, kicks = (i // width, kick_times.shape[0]) if slack[i] > 0.0 else (0, 0)
                 done, y[c], free[c] = walk(
                     states[k], start[k], np.float64(drift[i]), np.float64(held[i]), span, noise2[k],
@@ -95,8 +93,9 @@ def cross(
         for k in range(n):
             voltage[pixels[k]] = end[k]
             pending[pixels[k]] = 0.0
-        for c in range(touches):
-            held[pixels[touching[c]]] = max(free[c] - span, 0.0)
+        if careful:
+            for c in range(touches):
+                held[pixels[touching[c]]] = max(free[c] - span, 0.0)
         written = done
     return count, written
 
@@ -122,17 +121,29 @@ def draw_ends(
 
 @kernel
 def find_touching(
-    start: Any, end: Any, a: Any, b: Any, noise2: Any, span: Any, held: Any, slack: Any, pixels: Any,
-    touching: Any,
+    start: Any, end: Any, a: Any, b: Any, noise2: Any, span: Any, touching: Any
 ) -> Any:  # fmt: skip
-    """Fill touching with the places of paths that may touch a barrier, or need more care; their number."""
+    """Fill touching with the places of the paths that may touch a barrier; returns their number."""
     inside = np.empty(start.shape[0], np.bool_)
     for k in range(start.shape[0]):
         inside[k] = stays_inside(start[k], end[k], a[k], b[k], noise2[k] * span)
     count = 0
     for k in range(start.shape[0]):
         touching[count] = k
-        count += (slack[pixels[k]] > 0.0) | (held[pixels[k]] > 0.0) | (not inside[k])
+        count += not inside[k]
+    return count
+
+
+@kernel
+def find_held_and_kicked(count: Any, held: Any, slack: Any, pixels: Any, touching: Any) -> Any:
+    """Add the places of pixels in their dead time or with kicks to the first `count` of touching."""
+    touches = np.zeros(pixels.shape[0], np.bool_)
+    for c in range(count):
+        touches[touching[c]] = True
+    count = 0
+    for k in range(pixels.shape[0]):
+        touching[count] = k
+        count += touches[k] | (held[pixels[k]] > 0.0) | (slack[pixels[k]] > 0.0)
     return count
 
 

@@ -15,9 +15,9 @@ _AXIS_MASK, _ONE = np.uint64(0x1FFF), np.uint64(1)
 
 
 @kernel
-def event_address(pixel: Any, width: Any) -> Any:
-    """The pixel's coordinates at their place in an event key."""
-    y = np.int64((pixel + 0.5) / width)  # exact, and faster than dividing integers
+def event_address(pixel: Any, width: Any, per_width: Any) -> Any:
+    """The pixel's coordinates at their place in an event key; per_width is 1 / width."""
+    y = np.int64((pixel + 0.5) * per_width)  # exact, and faster than dividing integers
     return (np.uint64(y) << _Y_SHIFT) | (np.uint64(pixel - y * width) << _X_SHIFT)
 
 

@@ -46,7 +46,7 @@ def cross_by_paper(
         mu, sigma2 = drift[i] / span, np.float64(noise[i]) ** 2
         v: Any = np.float64(residual[i])
         now, events = 0.0, written
-        address = event_address(pixel0 + i, width)
+        address = event_address(pixel0 + i, width, 1.0 / width)
         while True:
             up, down = max(above[i] - v, 0.0), max(below[i] + v, 0.0)
             state, u = uniform(state)

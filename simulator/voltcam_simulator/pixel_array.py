@@ -18,7 +18,7 @@ from .stationary import start_voltage
 
 Law = Literal["exact", "paper"]
 
-BAND_PIXELS = 65536  # few enough for the planes of a band to stay in cache, enough to drown the calls' cost
+BAND_PIXELS = 49152  # few enough for the planes of a band to stay in cache, enough to drown the calls' cost
 
 
 class PixelArray:
@@ -194,12 +194,13 @@ class PixelArray:
             slack = np.repeat(row_slack, self.width)
             reach_above, reach_below = above - slack, below - slack
         pending, held, near = rows.pending, rows.held, room.near
+        careful = self._held.size > 0 or len(times) > 0
         count = gather(
             voltage, pending, drift, noise, np.float32(span_us), reach_above, reach_below, held, near
         )
         room.draw(count, lambda done, keys: cross(
-            voltage, pending, drift, noise, span_us, above, below, held, slack, near, done, count, key,
-            pixel0, self.width, sensor.refractory_us, sensor.reset_sigma, times, sizes, offset_us, keys,
+            voltage, pending, drift, noise, span_us, above, below, held, slack, careful, near, done, count,
+            key, pixel0, self.width, sensor.refractory_us, sensor.reset_sigma, times, sizes, offset_us, keys,
         ))  # fmt: skip
 
 

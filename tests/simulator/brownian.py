@@ -24,7 +24,7 @@ def crossings(
     none, zeros = np.zeros((0, 1)), np.zeros(n, np.float32)
     done, written = cross(
         voltage, pending, plane[0], plane[1], SPAN_US, plane[2], plane[3], zeros, zeros,
-        np.arange(n, dtype=np.int32), 0, n, interval_key(seed, CROSSINGS, 0), 0, n, 0.0, 0.0,
+        False, np.arange(n, dtype=np.int32), 0, n, interval_key(seed, CROSSINGS, 0), 0, n, 0.0, 0.0,
         none, none, 0.0, keys,
     )  # fmt: skip
     assert done == n
