@@ -26,8 +26,8 @@ def cross(
     key: `interval_key` of the step; pixel0: number of the band's first pixel; period [us]: dead time after an
     event; reset_sigma: spread of the voltage after a reset. kick_times [us] and kick_sizes, (kicks, rows),
     each row in order of time: sudden changes of voltage, which drift includes; slack (pixels,): more than 0
-    where there are some; careful: False when no pixel is held or kicked. offset [us]: start of the step in its
-    interval.
+    where there are some; careful: False when no pixel is held or kicked. offset [us]: start of the step in
+    its interval.
     Returns (pixels done, events written). Stops before a block of pixels whose events do not fit into keys
     (capacity,) uint64; call again with more room, the same numbers are drawn.
 

@@ -35,7 +35,7 @@ class PixelArray:
         shares = threads * math.ceil(pixels / BAND_PIXELS / threads)  # as many bands for each thread
         self._band_rows = math.ceil(height / min(shares, height))
         self._rooms = [Room(self._band_rows * width) for _ in range(threads)]
-        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
+        self._pool = ThreadPoolExecutor(max(1, threads - 1))  # this thread does its share, too
         self._steps, self._elapsed_us = 0, 0.0
 
     def configure(self, parameters: Parameters) -> None:
@@ -129,10 +129,10 @@ class PixelArray:
                     take_over(band.light, band.response, band.drift, rows.light, rows.response)
                     self._draw_events(rows, key, offset_us)
 
-        if self._pool is None:
-            share(self._rooms[0])
-        else:
-            list(self._pool.map(share, self._rooms))
+        others = [self._pool.submit(share, room) for room in self._rooms[1:]]
+        share(self._rooms[0])
+        for other in others:
+            other.result()
         self._steps += 1
         self._elapsed_us += span_us
 
