@@ -266,3 +266,19 @@ def test_an_impossible_simulator_is_refused(wrong: dict[str, object]) -> None:
     arguments: dict[str, object] = {"width": 3, "height": 3, **wrong}
     with pytest.raises(ValueError, match=r"give|sides"):
         Simulator(**arguments)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("law", ["exact", "paper"])
+def test_thresholds_at_their_limits(law: Law) -> None:
+    """From white to black and back: 2.62 k1 in steps of a thousandth of a threshold, or less than one of 100."""
+    for theta, expected in ((0.001, 5.265 * math.log(275 / 20) / 0.001), (100.0, 0)):
+        thresholds = {"theta_on": theta, "theta_off": theta}
+        parameters = only(contrast_response={"k1": 5.265}, comparator=thresholds)
+        simulator = Simulator(2, 1, parameters, law=law, seed=1)
+        simulator.jump(still(255, 2, 1), 0)
+        counts = [simulator.advance(still(grey, 2, 1), t) for grey, t in ((0, 10**6), (255, 2 * 10**6))]
+        down, up = (len(events) / 2 for events in counts)
+        if law == "paper":
+            expected *= 255 / 147.5 / math.log(275 / 20)  # its linearisation
+        assert down == pytest.approx(expected, abs=2)
+        assert up == pytest.approx(expected, abs=2)
