@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from voltcam_server.settings import Upsample
 from voltcam_server.simulation import PATIENCE_FRAMES, Simulation
 from voltcam_simulator import Simulator
+from voltcam_video import Frame, between
 
 from .rig import arrival, moving_frames, tiny
 
@@ -28,6 +30,35 @@ def test_intervals_are_the_simulators() -> None:
         np.testing.assert_array_equal(interval.events, simulator.advance(image, 1000 * i))
         assert (interval.start_us, interval.end_us) == (max(0, 1000 * (i - 1)), 1000 * i)
         np.testing.assert_array_equal(interval.image_u8, image)
+
+
+@pytest.mark.parametrize(
+    ("upsample", "later"), [("off", 0), ("linear", 0), ("cubic", 1), ("auto", 0), (3, 0)]
+)
+def test_frames_in_between_are_those_of_an_offline_run(upsample: Upsample, later: int) -> None:
+    """Live as offline; on the cubic a frame later, when the curve beyond it is known."""
+    camera = tiny().model_copy(update={"width": 64, "height": 48})
+    y, x = np.mgrid[0:48, 0:64]
+    images = [(120 + 90 * np.sin(0.3 * (x - 3 * i)) * np.cos(0.2 * y)).astype(np.uint8) for i in range(8)]
+    frames = [Frame(image, 10_000 * i) for i, image in enumerate(images)]
+    simulator = Simulator(64, 48, camera.parameters, seed=5)
+    how = "linear" if upsample == "off" else upsample
+    expected: list[np.ndarray] = []
+    parts: list[np.ndarray] = []
+    for frame in between(frames, how):
+        parts.append(simulator.advance(frame.image, frame.t_us))
+        if any(frame is real for real in frames):
+            expected.append(np.concatenate(parts))
+            parts = []
+
+    simulation = Simulation(camera, "exact", 5, upsample)
+    intervals = [simulation.step(arrival(image, 10_000 * i)) for i, image in enumerate(images)]
+    assert [interval is None for interval in intervals] == [True] * later + [False] * (8 - later)
+    found = [interval.events for interval in intervals[later + 1 :] if interval is not None]
+    for ours, theirs in zip(found, expected[1:], strict=False):
+        np.testing.assert_array_equal(ours, theirs)
+    assert len(found) == 7 - later
+    assert sum(map(len, found)) > 5000
 
 
 def test_stamps_that_repeat_or_go_back_are_skipped_and_counted() -> None:

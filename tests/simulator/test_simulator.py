@@ -270,7 +270,7 @@ def test_an_impossible_simulator_is_refused(wrong: dict[str, object]) -> None:
 
 @pytest.mark.parametrize("law", ["exact", "paper"])
 def test_thresholds_at_their_limits(law: Law) -> None:
-    """From white to black and back: 2.62 k1 in steps of a thousandth of a threshold, or less than one of 100."""
+    """White to black and back: 2.62 k1, in steps of a thousandth of a threshold, or none of 100."""
     for theta, expected in ((0.001, 5.265 * math.log(275 / 20) / 0.001), (100.0, 0)):
         thresholds = {"theta_on": theta, "theta_off": theta}
         parameters = only(contrast_response={"k1": 5.265}, comparator=thresholds)
