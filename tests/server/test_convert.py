@@ -101,7 +101,10 @@ def test_an_unfinished_recording_is_recovered(tmp_path: Path) -> None:
         (["none.mp4", "out.npz"], "none.mp4"),
         (["scene", "out.npz"], "scene does not end by itself: give --seconds"),
         (["in.npz", "out.mp3"], "'.mp3'"),
-        (["in.npz", "there.npz"], "there.npz exists already: choose another name, or give --overwrite"),
+        (
+            ["in.npz", "there.npz"],
+            "there.npz exists already: choose another name, remove it, or give the command --overwrite",
+        ),
         (
             ["in.npz", "out.npz", "--set", "comparator.theta=1"],
             "parameters.comparator.theta: there is no such key",

@@ -22,7 +22,9 @@ CHUNK = 1 << 16
 def cannot_create(path: Path, error: OSError) -> RecordingError:
     """The one line for a target that cannot be made."""
     if error.errno == errno.EEXIST:
-        return RecordingError(f"{path} exists already: choose another name, or give --overwrite")
+        return RecordingError(
+            f"{path} exists already: choose another name, remove it, or give the command --overwrite"
+        )
     return RecordingError(f"{path} cannot be created: {error.strerror}: choose a folder that can be written")
 
 

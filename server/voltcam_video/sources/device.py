@@ -108,7 +108,10 @@ def _check(path: str) -> None:
     except FileNotFoundError:
         raise SourceError(f"{path}: no such device; {_cameras()}") from None
     except PermissionError:
-        raise SourceError(f"{path}: not permitted; sudo usermod -aG video $USER, then log in again") from None
+        raise SourceError(
+            f"{path}: not permitted; sudo usermod -aG video $USER, then log in again; or, for a container, "
+            "--group-add with the number of its group"
+        ) from None
     except OSError as error:
         raise SourceError(f"{path}: {error.strerror}; fuser -v {path} names who has it") from None
 
