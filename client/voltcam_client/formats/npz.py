@@ -37,7 +37,9 @@ class NpzWriter(Writer):
         super().__init__(path, width, height)
         self._folder = path.with_name(path.name + PARTIAL)
         if path.exists() and not overwrite:
-            raise RecordingError(f"{path} exists already: choose another name, or give --overwrite")
+            raise RecordingError(
+                f"{path} exists already: choose another name, remove it, or give the command --overwrite"
+            )
         if self._folder.exists() and not overwrite:
             raise RecordingError(
                 f"{self._folder} is an unfinished recording: {self._remedy()}, or lose it with --overwrite"
