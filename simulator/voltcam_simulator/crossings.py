@@ -36,20 +36,9 @@ def cross(
     """
     written, per_width = 0, 1.0 / width
     states, touching = np.empty(BLOCK, np.uint64), np.empty(BLOCK + 1, np.int32)
-    start, end, a, b, noise2 = (
-        np.empty(BLOCK),
-        np.empty(BLOCK),
-        np.empty(BLOCK),
-        np.empty(BLOCK),
-        np.empty(BLOCK),
-    )
-    side, time, x, y, free = (
-        np.empty(BLOCK, np.int8),
-        np.empty(BLOCK),
-        np.empty(BLOCK),
-        np.empty(BLOCK),
-        np.empty(BLOCK),
-    )
+    start, end, a, b = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK)
+    variance, wait, side, time = np.empty(BLOCK), np.zeros(BLOCK), np.empty(BLOCK, np.int8), np.empty(BLOCK)
+    x, y, free = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK)
     cuts = np.empty((2, DEEPEST + 1))
     for begin in range(first, count, BLOCK):
         pixels = near[begin : min(begin + BLOCK, count)]
@@ -58,23 +47,28 @@ def cross(
             return begin, written
         sequences(key, pixel0, pixels, states)
         normals(states[:n], start[:n], end[:n])
-        draw_ends(voltage, pending, drift, noise, span, above, below, pixels, start, end, a, b, noise2)
-        touches = find_touching(start[:n], end, a, b, noise2, span, touching)
         if careful:
-            touches = find_held_and_kicked(touches, held, slack, pixels, touching)
+            find_waits(held, span, pixels, wait, end)
+        draw_ends(
+            voltage, pending, drift, noise, span, above, below, pixels, wait, start, end, a, b, variance
+        )
+        touches = find_touching(start[:n], end, a, b, variance, touching)
+        if careful:
+            touches = add_kicked(touches, slack, pixels, touching)
         first_crossings(
-            touching[:touches], states, start, end, a, b, noise2, span, period, reset_sigma,
+            touching[:touches], states, start, end, a, b, variance, span, wait, period, reset_sigma,
             side, time, x, y, free,
         )  # fmt: skip
         for c in range(touches):
             k = touching[c]
             i = pixels[k]
+            noise2 = np.float64(noise[i]) * np.float64(noise[i])
             address = event_address(pixel0 + i, width, per_width)
-            if careful and (slack[i] > 0.0 or held[i] > 0.0):
-                row, kicks = (i // width, kick_times.shape[0]) if slack[i] > 0.0 else (0, 0)
+            if careful and slack[i] > 0.0:
+                row = i // width
                 done, y[c], free[c] = walk(
-                    states[k], start[k], np.float64(drift[i]), np.float64(held[i]), span, noise2[k],
-                    a[k], b[k], period, reset_sigma, kick_times[:kicks, row], kick_sizes[:kicks, row],
+                    states[k], start[k], np.float64(drift[i]), np.float64(held[i]), span, noise2,
+                    a[k], b[k], period, reset_sigma, kick_times[:, row], kick_sizes[:, row],
                     address, offset, cuts, keys, done,
                 )  # fmt: skip
             else:
@@ -82,9 +76,9 @@ def cross(
                     keys[done] = event_key(offset + time[c], address, side[c])
                     done += 1
                 left = span - free[c]
-                if left > 0.0 and not stays_inside(x[c], y[c], a[k], b[k], noise2[k] * left):
+                if left > 0.0 and not stays_inside(x[c], y[c], a[k], b[k], noise2 * left):
                     done, y[c], free[c] = follow(
-                        states[k], x[c], y[c], free[c], span, noise2[k], a[k], b[k], period, reset_sigma,
+                        states[k], x[c], y[c], free[c], span, noise2, a[k], b[k], period, reset_sigma,
                         address, offset, cuts, keys, done,
                     )[1:]  # fmt: skip
             if done < 0 or done + n > keys.shape[0]:
@@ -94,6 +88,8 @@ def cross(
             voltage[pixels[k]] = end[k]
             pending[pixels[k]] = 0.0
         if careful:
+            for k in range(n):
+                held[pixels[k]] = max(held[pixels[k]] - span, 0.0)
             for c in range(touches):
                 held[pixels[touching[c]]] = max(free[c] - span, 0.0)
         written = done
@@ -101,32 +97,43 @@ def cross(
 
 
 @kernel
+def find_waits(held: Any, span: Any, pixels: Any, wait: Any, end: Any) -> None:
+    """What of the step each pixel spends in its dead time; end, a normal number, is less by that."""
+    for k in range(pixels.shape[0]):
+        wait[k] = min(np.float64(held[pixels[k]]), span)
+        end[k] *= math.sqrt(1.0 - wait[k] / span)
+
+
+@kernel
 def draw_ends(
     voltage: Any, pending: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any, pixels: Any,
-    start: Any, end: Any, a: Any, b: Any, noise2: Any,
+    wait: Any, start: Any, end: Any, a: Any, b: Any, variance: Any,
 ) -> None:  # fmt: skip
     """start, end: standard normal numbers to the voltages at the two ends of each path, before resets.
 
-    a, b, noise2: filled with the distances of the barriers from 0 and sigma^2. All (n,) float64.
+    A path starts after wait. a, b, variance: filled with the distances of the barriers from 0 and the path's
+    variance. All (n,) float64.
     """
-    root = math.sqrt(span)
+    root, per_span = math.sqrt(span), 1.0 / span
     for k in range(pixels.shape[0]):
         i = pixels[k]
         sigma = np.float64(noise[i])
-        a[k], b[k], noise2[k] = above[i], below[i], sigma * sigma
+        left = span - wait[k]
+        a[k], b[k], variance[k] = above[i], below[i], sigma * sigma * left
         x = np.float64(voltage[i]) + math.sqrt(np.float64(pending[i])) * start[k]
         x = min(max(x, -b[k]), a[k])  # beyond by rounding, by a kick, or where a threshold was lowered
-        start[k], end[k] = x, x + np.float64(drift[i]) + sigma * root * end[k]
+        start[k] = x
+        end[k] = x + np.float64(drift[i]) * (left * per_span) + sigma * root * end[k]
 
 
 @kernel
 def find_touching(
-    start: Any, end: Any, a: Any, b: Any, noise2: Any, span: Any, touching: Any
+    start: Any, end: Any, a: Any, b: Any, variance: Any, touching: Any
 ) -> Any:  # fmt: skip
     """Fill touching with the places of the paths that may touch a barrier; returns their number."""
     inside = np.empty(start.shape[0], np.bool_)
     for k in range(start.shape[0]):
-        inside[k] = stays_inside(start[k], end[k], a[k], b[k], noise2[k] * span)
+        inside[k] = stays_inside(start[k], end[k], a[k], b[k], variance[k])
     count = 0
     for k in range(start.shape[0]):
         touching[count] = k
@@ -135,22 +142,22 @@ def find_touching(
 
 
 @kernel
-def find_held_and_kicked(count: Any, held: Any, slack: Any, pixels: Any, touching: Any) -> Any:
-    """Add the places of pixels in their dead time or with kicks to the first `count` of touching."""
+def add_kicked(count: Any, slack: Any, pixels: Any, touching: Any) -> Any:
+    """Add the places of pixels with kicks to the first `count` of touching; returns their number."""
     touches = np.zeros(pixels.shape[0], np.bool_)
     for c in range(count):
         touches[touching[c]] = True
     count = 0
     for k in range(pixels.shape[0]):
         touching[count] = k
-        count += touches[k] | (held[pixels[k]] > 0.0) | (slack[pixels[k]] > 0.0)
+        count += touches[k] | (slack[pixels[k]] > 0.0)
     return count
 
 
 @kernel
 def first_crossings(
-    touching: Any, states: Any, start: Any, end: Any, a: Any, b: Any, noise2: Any, span: Any, period: Any,
-    reset_sigma: Any, side: Any, time: Any, x: Any, y: Any, free: Any,
+    touching: Any, states: Any, start: Any, end: Any, a: Any, b: Any, variance: Any, span: Any, wait: Any,
+    period: Any, reset_sigma: Any, side: Any, time: Any, x: Any, y: Any, free: Any,
 ) -> None:  # fmt: skip
     """The first event of the paths that surely cross one barrier and cannot reach the other.
 
@@ -159,7 +166,7 @@ def first_crossings(
     """
     n = touching.shape[0]
     own, gauss, other, u = np.empty(n, np.uint64), np.empty(n), np.empty(n), np.empty(n)
-    distance, beyond, variance = np.empty(n), np.empty(n), np.empty(n)
+    distance, beyond, spread, left = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     for c in range(n):
         k = touching[c]
         own[c] = states[k]
@@ -167,20 +174,24 @@ def first_crossings(
         on = stop >= above
         distance[c] = above - begin if on else begin + below
         beyond[c] = stop - above if on else -below - stop
-        variance[c] = noise2[k] * span
+        left[c] = span - wait[k]
+        spread[c] = variance[k]
         reach = (begin + below) * (stop + below) if on else (above - begin) * (above - stop)
-        sure = (beyond[c] >= 0.0) & (distance[c] > 0.0) & (reach >= -0.5 * LOG_MISS * variance[c])
+        sure = (beyond[c] >= 0.0) & (distance[c] > 0.0) & (reach >= -0.5 * LOG_MISS * spread[c])
         side[c] = (1 if on else -1) if sure else 0
         x[c] = 0.0 if sure else begin
         y[c] = (beyond[c] if on else -beyond[c]) if sure else stop
     normals(own, gauss, other)
     uniforms(own, u)
     for c in range(n):
-        time[c] = span * touching_share(distance[c], beyond[c], variance[c], gauss[c], u[c])
+        time[c] = left[c] * touching_share(distance[c], beyond[c], spread[c], gauss[c], u[c])
     for c in range(n):
-        free[c] = time[c] + period if side[c] != 0 else 0.0
+        time[c] += span - left[c]
+        free[c] = time[c] + period if side[c] != 0 else span - left[c]
     if period > 0.0:
-        sleep(time[:n], other, variance, span, period, side, y)
+        for c in range(n):
+            spread[c] /= max(left[c], 1e-300)  # sigma^2
+        sleep(time[:n], other, spread, span, period, side, y)
     if reset_sigma > 0.0:
         normals(own, gauss, other)
         for c in range(n):
@@ -193,10 +204,10 @@ def first_crossings(
 
 
 @kernel
-def sleep(time: Any, gauss: Any, variance: Any, span: Any, period: Any, side: Any, y: Any) -> None:
-    """Take what paths do in the dead time after their first event off their ends; variance of the step."""
+def sleep(time: Any, gauss: Any, noise2: Any, span: Any, period: Any, side: Any, y: Any) -> None:
+    """Take what paths do in the dead time after their first event off their ends."""
     for c in range(time.shape[0]):
         left = span - time[c]
         share = min(period / left, 1.0) if left > 0.0 else 1.0
-        slept = share * y[c] + math.sqrt(variance[c] / span * left * share * (1.0 - share)) * gauss[c]
+        slept = share * y[c] + math.sqrt(noise2[c] * left * share * (1.0 - share)) * gauss[c]
         y[c] -= slept if side[c] != 0 else 0.0
