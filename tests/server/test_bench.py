@@ -1,8 +1,8 @@
 """What speed is measured on; the measuring itself is `voltcam bench`, not a test."""
 
-import numpy as np
+from functools import partial
 
-from voltcam_server.bench import Figure, cost_per_event
+from voltcam_server.bench import Figure, plan
 from voltcam_server.bench_scene import moving, noisy
 from voltcam_simulator import Parameters, Simulator
 
@@ -22,8 +22,13 @@ def test_the_webcam_has_noise_of_two_grey_levels() -> None:
     assert abs(frames.std(axis=0)[inside].mean() - 2) < 0.1
 
 
-def test_an_event_costs_something() -> None:
-    (figure,) = cost_per_event(moving(6, 96, 64), Parameters.of("paper"))
-    assert figure.unit == "ns"
-    assert np.isfinite(figure.median)
-    assert str(Figure.of("sort", [3.0, 1.0, 2.0], "ns")).split()[:3] == ["sort", "2", "1"]
+def test_a_figure_is_its_median_and_spread() -> None:
+    assert str(Figure.of("sort", [3.0, 1.0, 2.0], "ns", "quiet")).split() == [
+        "sort", "2", "1", "to", "3", "ns", "quiet",
+    ]  # fmt: skip
+
+
+def test_every_figure_of_the_plan_is_another() -> None:
+    """Planned, not measured: measuring takes a minute and belongs to the command."""
+    names = [step.args[0] for step in plan() if isinstance(step, partial) and isinstance(step.args[0], str)]
+    assert len(names) == len(set(names)) == 12
