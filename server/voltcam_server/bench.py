@@ -21,6 +21,8 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from voltcam_simulator import Law, Parameters, Simulator
+from voltcam_video import Frame, along_flow
+from voltcam_video.sources.scene import render
 
 from .bench_scene import moving, noisy
 
@@ -85,6 +87,7 @@ def plan() -> Iterator[Callable[[], list[Figure]]]:
     scene = moving(60, 346, 260)
     yield partial(numpy_paper_law, scene[:6])
     yield partial(cost_per_event, scene, base)
+    yield partial(upsampling, moving(61, 346, 260)[::4])
     yield partial(memory, base)
     yield start
 
@@ -181,6 +184,24 @@ def numpy_paper_law(frames: Frames) -> list[Figure]:
     ]
 
 
+def upsampling(frames: Frames) -> list[Figure]:
+    """CPU time for the frames between two that are 6 pixels apart, and for a frame of the built-in scene."""
+    pairs = [(Frame(a, 0), Frame(b, 33_333)) for a, b in pairwise(frames)]
+    figures = []
+    for name, action in (
+        ("346x260 frames between frames, auto", [partial(_follow, *pair) for pair in pairs]),
+        ("346x260 built-in scene, a frame", [partial(render, 16_667 * i) for i in range(len(pairs))]),
+    ):
+        action[0]()
+        seconds = [repeated(step, 1, time.process_time)[0] * 1e3 for step in action]
+        figures.append(Figure.of(name, seconds, "ms"))
+    return figures
+
+
+def _follow(former: Frame, frame: Frame) -> int:
+    return len(list(along_flow(former, frame)))
+
+
 def memory(parameters: Parameters) -> list[Figure]:
     """Bytes of state for each pixel, and what five hundred more frames add to state and events."""
     figures = []
@@ -219,11 +240,13 @@ def start() -> list[Figure]:
     return figures
 
 
-def repeated(action: Callable[[], object], repeats: int = REPEATS) -> list[float]:
-    """Wall seconds of each run."""
+def repeated(
+    action: Callable[[], object], repeats: int = REPEATS, clock: Callable[[], float] = time.perf_counter
+) -> list[float]:
+    """Seconds of each run, by wall time unless another clock is given."""
     seconds = []
     for _ in range(repeats):
-        begin = time.perf_counter()
+        begin = clock()
         action()
-        seconds.append(time.perf_counter() - begin)
+        seconds.append(clock() - begin)
     return seconds
