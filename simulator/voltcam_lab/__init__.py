@@ -1,0 +1,1 @@
+"""A recording against the model: statistics, calibrate, evaluate, diagnose."""
