@@ -9,11 +9,13 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from voltcam_client.formats import SUFFIXES, Recording, Writer, open_writer, read
+from voltcam_client.formats import READABLE, Recording, Writer, open_writer, read
 from voltcam_client.formats.npz import PARTIAL
+from voltcam_client.formats.rosbag import METADATA
 from voltcam_client.meter import short
 from voltcam_simulator import Camera, Law, Simulator
 from voltcam_video import Frame, Source, SourceError, SourceRequest, Upsampling, between, fit, open_source
+from voltcam_video.sources import MemorySource
 
 from .problems import UsageError, one_line
 from .signals import ended_by_signal
@@ -39,12 +41,13 @@ def convert(job: Conversion) -> str:
     SIGINT and SIGTERM end it early, with the output finished. Raises UsageError when the source cannot be
     read, FormatError and RecordingError as the output's writer does; what came before is in the output.
     """
-    recording = _recording(Path(job.source.uri))
-    if recording is not None:
+    path = Path(job.source.uri)
+    recording = _recording(path)
+    if recording is not None and (recording.frames is None or path.suffix == PARTIAL):
         return _copy(recording, job)
     stop = threading.Event()
     try:
-        with ended_by_signal(stop.set), open_source(job.source, stop=stop) as source:
+        with ended_by_signal(stop.set), _source(recording, job, stop) as source:
             if job.seconds is None and (source.live or source.granted["kind"] == "scene"):
                 raise UsageError(f"{job.source.shown} does not end by itself: give --seconds")
             return _simulate(source, job, stop)
@@ -96,15 +99,22 @@ def _progress(frames: Iterator[Frame], source: Source, writer: Writer) -> Iterat
             bar.set_postfix_str(f"{short(writer.event_count)} events", refresh=False)
 
 
+def _source(recording: Recording | None, job: Conversion, stop: threading.Event) -> Source:
+    if recording is None or recording.frames is None or recording.frame_t_us is None:
+        return open_source(job.source, stop=stop)
+    return MemorySource(job.source, recording.frames, recording.frame_t_us, stop=stop)
+
+
 def _recording(path: Path) -> Recording | None:
-    """The recording at `path` when it has no frames to simulate, or is an unfinished one."""
+    """The recording at `path`, unless it is one whose frames voltcam_video reads by itself."""
     if path.is_dir():
         only_events = (path / "events.txt").exists() and not (path / "images.txt").exists()
-        return read(path) if only_events or path.suffix == PARTIAL else None
+        in_folder = only_events or path.suffix == PARTIAL or (path / METADATA).exists()
+        return read(path) if in_folder else None
     if path.suffix == ".npz" and zipfile.is_zipfile(path):
         with zipfile.ZipFile(path) as archive:
             return None if "frames.npy" in archive.namelist() else read(path)
-    return read(path) if path.is_file() and path.suffix in SUFFIXES and path.suffix != ".npz" else None
+    return read(path) if path.is_file() and path.suffix in READABLE and path.suffix != ".npz" else None
 
 
 def _copy(recording: Recording, job: Conversion) -> str:

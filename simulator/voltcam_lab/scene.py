@@ -2,20 +2,32 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter
 
 from voltcam_video import Frame, Upsampling, between
+
+TRUSTED = 0.05  # of the brightness: a quarter of the contrast of a usual threshold
+USUAL_DARK_DN = 20.0
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """images: (N, H, W) float32 grey levels [DN]; t_us: (N,) int64, ascending. Between two images, ln L is
-    straight, as a simulator draws it."""
+    """The frames a camera took, and the light between them.
 
+    taken: (M, H, W) grey levels [DN] at taken_us (M,) int64 ascending. images: (N, H, W) float32 at t_us (N,),
+    the same with more between them, made as `how` says. Between two images light goes straight.
+    """
+
+    taken: NDArray[Any]
+    taken_us: NDArray[np.int64]
     images: NDArray[np.float32]
     t_us: NDArray[np.int64]
+    how: Upsampling = "linear"
 
     @property
     def height(self) -> int:
@@ -28,16 +40,58 @@ class Scene:
         return int(self.images.shape[2])
 
     def frames(self) -> Iterator[Frame]:
-        """The same, one by one."""
+        """The images, one by one."""
         for image, t_us in zip(self.images, self.t_us.tolist(), strict=True):
             yield Frame(image, t_us)
 
+    @cached_property
+    def surprise(self) -> NDArray[np.float32]:
+        """How far each frame is from what the light between its neighbours says it should be [DN], (M, pixels).
 
-def scene_of(images: NDArray[np.uint8], t_us: NDArray[np.int64], how: Upsampling = "auto") -> Scene:
-    """Frames (N, H, W) with more between them: `how` as in voltcam_video.between."""
-    given = (Frame(image, int(t)) for image, t in zip(images, t_us, strict=True))
-    dense = list(between(given, how))
-    return Scene(
-        np.stack([frame.image for frame in dense]).astype(np.float32, copy=False),
-        np.array([frame.t_us for frame in dense], np.int64),
-    )
+        Between two frames one of which surprises, light is known less well than that.
+        """
+        missed = np.zeros((len(self.taken), self.height * self.width), np.float32)
+        for first in (0, 1):
+            left, left_us = self.taken[first::2], self.taken_us[first::2]
+            told = {frame.t_us: frame.image for frame in between(_as_frames(left, left_us), self.how)}
+            times = np.array(sorted(told))
+            for k in range(first + 1, len(self.taken) - 1, 2):
+                after = int(np.searchsorted(times, self.taken_us[k]))
+                early, late = int(times[after - 1]), int(times[after])
+                share = (int(self.taken_us[k]) - early) / (late - early)
+                guess = (1 - share) * told[early].astype(np.float32) + share * told[late]
+                missed[k] = np.abs(self.taken[k].astype(np.float32) - guess).ravel()
+        return missed
+
+    @cached_property
+    def trusted(self) -> NDArray[np.bool_]:
+        """Where the light between frame k and the next is known well enough to say when an event is due.
+
+        (M - 1, pixels). No surprise of more than TRUSTED of the brightness in either frame, nor next to the pixel.
+        """
+        bright = self.taken.reshape(len(self.taken), -1).astype(np.float32) + USUAL_DARK_DN
+        share = (self.surprise / bright).reshape(self.taken.shape)
+        nearby = maximum_filter(share, size=(1, 3, 3)).reshape(len(self.taken), -1)
+        good: NDArray[np.bool_] = nearby < TRUSTED
+        return good[:-1] & good[1:]
+
+    def doubt(self, pixel: NDArray[np.int32], t_us: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How far the light may be from what `images` have [DN], for pixels (n,) at times (n,).
+
+        The larger surprise of the frames about it in the middle between them, nothing at a frame.
+        """
+        k = np.clip(np.searchsorted(self.taken_us, t_us, side="right") - 1, 0, len(self.taken_us) - 2)
+        phase = np.clip((t_us - self.taken_us[k]) / (self.taken_us[k + 1] - self.taken_us[k]), 0, 1)
+        return 4 * phase * (1 - phase) * np.maximum(self.surprise[k, pixel], self.surprise[k + 1, pixel])
+
+
+def scene_of(taken: NDArray[Any], taken_us: NDArray[np.int64], how: Upsampling = "auto") -> Scene:
+    """The scene of frames (M, H, W) at taken_us (M,), with light between them: `how` as in voltcam_video.between."""
+    dense = list(between(_as_frames(taken, taken_us), how))
+    images = np.stack([frame.image for frame in dense]).astype(np.float32, copy=False)
+    return Scene(taken, taken_us, images, np.array([frame.t_us for frame in dense], np.int64), how)
+
+
+def _as_frames(taken: NDArray[Any], taken_us: NDArray[np.int64]) -> Iterator[Frame]:
+    for image, t_us in zip(taken, taken_us.tolist(), strict=True):
+        yield Frame(image, t_us)

@@ -82,6 +82,29 @@ def test_a_recording_without_frames_is_copied(tmp_path: Path) -> None:
         np.testing.assert_array_equal(read(tmp_path / output).events, read(tmp_path / "events.npz").events)
 
 
+def test_a_recording_of_others_is_simulated_from_its_frames(tmp_path: Path) -> None:
+    h5py = pytest.importorskip("h5py", reason="h5py is in the extra [lab]")
+    frames, t_us = moving_frames(20, tiny()), 10_000 * np.arange(20)
+    with h5py.File(tmp_path / "in.h5", "w") as file:
+        for name in "txyp":
+            file[f"events/{name}"] = [1]
+        file["frames"], file["t_us"] = frames, t_us
+    convert(job(tmp_path / "in.h5", tmp_path / "out.npz"))
+    convert(job(save_frames(tmp_path / "in.npz", frames), tmp_path / "same.npz"))
+    made = read(tmp_path / "out.npz").events
+    assert made.size > 0
+    np.testing.assert_array_equal(made, read(tmp_path / "same.npz").events)
+
+
+def test_a_recording_of_others_without_frames_is_copied(tmp_path: Path) -> None:
+    h5py = pytest.importorskip("h5py", reason="h5py is in the extra [lab]")
+    with h5py.File(tmp_path / "in.h5", "w") as file:
+        for name, value in zip("txyp", (7, 3, 2, 1), strict=True):
+            file[f"events/{name}"] = [value]
+    assert "nothing simulated" in convert(job(tmp_path / "in.h5", tmp_path / "out.txt"))
+    assert (tmp_path / "out.txt").read_text() == "0.000007 3 2 1\n"
+
+
 def test_an_unfinished_recording_is_recovered(tmp_path: Path) -> None:
     frames = moving_frames(4, tiny())
     writer = open_writer(tmp_path / "cut.npz", width=24, height=16)

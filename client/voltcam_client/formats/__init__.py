@@ -12,11 +12,20 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
-from voltcam_client.formats import csv, npz, raw, spool, txt
+from voltcam_client.formats import aedat4, csv, hdf5, npz, raw, rosbag, spool, txt
 from voltcam_client.formats.recording import FormatError, Recording, RecordingError, fault_in
 from voltcam_client.formats.writer import Writer
 
-__all__ = ["SUFFIXES", "FormatError", "Recording", "RecordingError", "Writer", "open_writer", "read"]
+__all__ = [
+    "READABLE",
+    "SUFFIXES",
+    "FormatError",
+    "Recording",
+    "RecordingError",
+    "Writer",
+    "open_writer",
+    "read",
+]
 
 
 class _OpenWriter(Protocol):
@@ -30,8 +39,21 @@ _FORMATS: dict[str, tuple[str, _OpenWriter, Callable[[Path], Recording]]] = {
     ".raw": (raw.DESCRIPTION, raw.RawWriter, raw.read_raw),
 }
 
+# Other people's: read only.
+_READERS: dict[str, tuple[str, Callable[[Path], Recording]]] = {
+    ".aedat4": (aedat4.DESCRIPTION, aedat4.read_aedat4),
+    ".h5": (hdf5.DESCRIPTION, hdf5.read_hdf5),
+    ".hdf5": (hdf5.DESCRIPTION, hdf5.read_hdf5),
+    ".bag": (rosbag.DESCRIPTION, rosbag.read_bag),
+    ".mcap": (rosbag.DESCRIPTION, rosbag.read_bag),
+    ".db3": (rosbag.DESCRIPTION, rosbag.read_bag),
+}
+
 SUFFIXES = {suffix: description for suffix, (description, _, _) in _FORMATS.items()}
-"""What each suffix holds, in a line for `--help`."""
+"""What each suffix that can be written holds, in a line for `--help`."""
+
+READABLE = SUFFIXES | {suffix: description for suffix, (description, _) in _READERS.items()}
+"""The same of each suffix that can be read."""
 
 
 def open_writer(path: str | Path, *, width: int, height: int, overwrite: bool = False) -> Writer:
@@ -41,15 +63,19 @@ def open_writer(path: str | Path, *, width: int, height: int, overwrite: bool = 
     `overwrite` is false, or cannot be made.
     """
     path = Path(path)
-    _, writer, _ = _format_of(path)
-    return writer(path, width, height, overwrite=overwrite)
+    suffix = path.suffix.lower()
+    if suffix not in _FORMATS:
+        what = "can be read, not written" if suffix in READABLE else "is no recording's"
+        raise FormatError(f"{path}: the suffix {path.suffix!r} {what}: choose {_listed(SUFFIXES)}")
+    return _FORMATS[suffix][1](path, width, height, overwrite=overwrite)
 
 
 def read(path: str | Path) -> Recording:
-    """Read a recording: a file with one of SUFFIXES, an unfinished FILE.npz.partial, or an Event Camera
-    Dataset folder (events.txt, images.txt).
+    """Read a recording: a file with one of READABLE, an unfinished FILE.npz.partial, an Event Camera Dataset
+    folder (events.txt, images.txt) or a ROS 2 bag folder (metadata.yaml).
 
     Raises FormatError for anything else, naming what is wrong where; RecordingError where it cannot be read.
+    AEDAT4, HDF5 and bags take the extra [lab].
     """
     path = Path(path)
     try:
@@ -68,18 +94,26 @@ def read(path: str | Path) -> Recording:
 def _reader_of(path: Path) -> Callable[[Path], Recording]:
     if path.suffix == npz.PARTIAL:
         return spool.read_spool
-    if not path.is_dir():
-        return _format_of(path)[2]
+    if path.is_dir():
+        return _folder_reader(path)
+    suffix = path.suffix.lower()
+    if suffix in _FORMATS:
+        return _FORMATS[suffix][2]
+    if suffix in _READERS:
+        return _READERS[suffix][1]
+    raise FormatError(f"{path}: no recording has the suffix {path.suffix!r}: choose {_listed(READABLE)}")
+
+
+def _folder_reader(path: Path) -> Callable[[Path], Recording]:
     if (path / "events.txt").exists():
         return txt.read_folder
+    if (path / rosbag.METADATA).exists():
+        return rosbag.read_bag
     raise FormatError(
-        f"{path} is a folder without an events.txt: give a recording, or a folder with events.txt"
+        f"{path} is a folder without an events.txt: give a recording, or a folder with events.txt "
+        f"or a ROS 2 bag's {rosbag.METADATA}"
     )
 
 
-def _format_of(path: Path) -> tuple[str, _OpenWriter, Callable[[Path], Recording]]:
-    try:
-        return _FORMATS[path.suffix.lower()]
-    except KeyError:
-        formats = "; ".join(f"{suffix} ({description})" for suffix, description in SUFFIXES.items())
-        raise FormatError(f"{path}: no recording has the suffix {path.suffix!r}: choose {formats}") from None
+def _listed(formats: dict[str, str]) -> str:
+    return "; ".join(f"{suffix} ({description})" for suffix, description in formats.items())

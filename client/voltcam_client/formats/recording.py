@@ -31,7 +31,8 @@ class Recording:
     `events` is an EVENT array sorted by t. `width` and `height` are in pixels; where the file does not say
     (plain text), they are the smallest that hold every event. `frames` is (N, H, W) uint8 with `frame_t_us`
     (N,) int64, both None without frames. An Event Camera Dataset folder has `image_paths` in place of
-    `frames`: decoding them takes an image library, which voltcam_video has.
+    `frames`: decoding them takes an image library, which voltcam_video has. `exposure_us` (N, 2) is when each
+    frame's exposure began and ended, None where the file does not say.
     """
 
     events: Events
@@ -40,6 +41,7 @@ class Recording:
     frames: NDArray[np.uint8] | None = None
     frame_t_us: NDArray[np.int64] | None = None
     image_paths: tuple[Path, ...] = ()
+    exposure_us: NDArray[np.int64] | None = None
 
 
 def smallest_size(events: Events) -> tuple[int, int]:

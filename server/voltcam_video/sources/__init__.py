@@ -8,12 +8,13 @@ from voltcam_video.request import SourceRequest
 from voltcam_video.sources.device import DeviceSource
 from voltcam_video.sources.file import FileSource
 from voltcam_video.sources.images import ImagesSource
+from voltcam_video.sources.memory import MemorySource
 from voltcam_video.sources.network import NetworkSource
 from voltcam_video.sources.npz import NpzSource
 from voltcam_video.sources.scene import SceneSource
 from voltcam_video.sources.source import Granted, Source, SourceError
 
-__all__ = ["Granted", "Source", "SourceError", "open_source"]
+__all__ = ["Granted", "MemorySource", "Source", "SourceError", "open_source"]
 
 
 def open_source(

@@ -22,7 +22,7 @@ class Granted(TypedDict):
     the frame; recording: the recording's own.
     """
 
-    kind: Literal["device", "file", "images", "npz", "network", "scene"]
+    kind: Literal["device", "file", "images", "npz", "recording", "network", "scene"]
     live: bool
     width: int
     height: int

@@ -32,8 +32,18 @@ def make_events() -> MakeEvents:
 @pytest.fixture
 def slider_depth() -> Path:
     """The folder of the Event Camera Dataset's slider_depth, which is not in the repository."""
+    return _real("slider_depth")
+
+
+@pytest.fixture
+def street() -> Path:
+    """A DAVIS346's AEDAT4 file, which is not in the repository either."""
+    return _real("davis346_street/davis346.aedat4")
+
+
+def _real(name: str) -> Path:
     root = Path(__file__).resolve().parents[3]
-    folder = Path(os.environ.get("VOLTCAM_DATA", root.parent / "shared" / "data")) / "slider_depth"
-    if not folder.is_dir():
-        pytest.skip("no slider_depth recording in ../shared/data or $VOLTCAM_DATA")
-    return folder
+    path = Path(os.environ.get("VOLTCAM_DATA", root.parent / "shared" / "data")) / name
+    if not path.exists():
+        pytest.skip(f"no {name} in ../shared/data or $VOLTCAM_DATA")
+    return path

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from voltcam_client.formats import SUFFIXES, FormatError, RecordingError, open_writer, read
+from voltcam_client.formats import READABLE, SUFFIXES, FormatError, RecordingError, open_writer, read
 from voltcam_client.packet import EVENT
 
 Events = npt.NDArray[np.void]
@@ -145,8 +145,17 @@ def test_an_unknown_suffix_lists_the_known_ones(operation: str, tmp_path: Path) 
     with pytest.raises(FormatError, match=r"'\.mp4'") as error:
         read(path) if operation == "read" else open_writer(path, width=1, height=1)
     message = assert_one_line(error)
-    for suffix, description in SUFFIXES.items():
+    known = READABLE if operation == "read" else SUFFIXES
+    for suffix, description in known.items():
         assert f"{suffix} ({description})" in message
+
+
+@pytest.mark.parametrize("suffix", sorted(set(READABLE) - set(SUFFIXES)))
+def test_what_is_only_read_is_not_written(suffix: str, tmp_path: Path) -> None:
+    with pytest.raises(FormatError, match=r"can be read, not written: choose \.npz") as error:
+        open_writer(tmp_path / f"a{suffix}", width=1, height=1)
+    assert_one_line(error)
+    assert not any(tmp_path.iterdir())
 
 
 def test_what_is_not_there_cannot_be_read(tmp_path: Path) -> None:

@@ -1,0 +1,82 @@
+"""`.h5`, `.hdf5`: columns of events as DSEC has them, or as event_utils and e2vid have.
+
+DSEC: `events/{x, y, t, p}`, t in us after `t_offset`; an index `ms_to_idx`, not needed to read all of it.
+event_utils: `events/{xs, ys, ts, ps}`, ts in seconds; `images/image000000000`... with the attribute
+`timestamp` in seconds; `sensor_resolution` (height, width). Polarities are 0 or -1 for OFF, 1 for ON.
+Frames of either layout are also taken from `frames` (N, H, W) and `t_us`, as in an `.npz`. Blosc and
+Zstandard go through hdf5plugin.
+
+Sources: dsec.ifi.uzh.ch/data-format; github.com/TimoStoff/event_utils.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from voltcam_client.encodings import EVENT, Events
+from voltcam_client.formats.library import grey, library, named, stacked
+from voltcam_client.formats.recording import FormatError, Recording, smallest_size
+
+DESCRIPTION = "HDF5 columns as in DSEC (events/t, x, y, p) or event_utils (events/ts, xs, ys, ps)"
+
+_LAYOUTS = (("t", "x", "y", "p"), ("ts", "xs", "ys", "ps"))
+
+
+def read_hdf5(path: Path) -> Recording:
+    """Read the events and, where the file has some, the frames. FormatError names what is missing."""
+    h5py = library("h5py", path)
+    library("hdf5plugin", path)  # registers the filters
+    with named(path, "HDF5 file"), h5py.File(path, "r") as file:
+        events = _events(path, file)
+        frames, t_us = _frames(path, file)
+        size = _size(file, events, frames)
+    return Recording(events, *size, frames=frames, frame_t_us=t_us)
+
+
+def _events(path: Path, file: Any) -> Events:
+    group = file.get("events", file)
+    for layout in _LAYOUTS:
+        if layout[0] in group:
+            break
+    else:
+        raise FormatError(f"{path} has no events/t, only {list(file)}: give columns t, x, y, p")
+    missing = [name for name in layout if name not in group]
+    if missing:
+        raise FormatError(f"{path} has no events/{missing[0]}: give columns {', '.join(layout)}")
+    t, x, y, p = (group[name][()].ravel() for name in layout)
+    if not t.size == x.size == y.size == p.size:
+        raise FormatError(f"{path}: its columns have {t.size}, {x.size}, {y.size}, {p.size} events: cut them")
+    events = np.empty(t.size, EVENT)
+    events["t"] = _us(t) + (int(file["t_offset"][()]) if "t_offset" in file else 0)
+    events["x"], events["y"], events["p"] = x, y, p > 0
+    return events
+
+
+def _us(t: NDArray[Any]) -> NDArray[np.int64]:
+    """Whole numbers are microseconds, others seconds."""
+    return np.rint(t * 1e6).astype(np.int64) if t.dtype.kind == "f" else t.astype(np.int64)
+
+
+def _frames(path: Path, file: Any) -> tuple[NDArray[np.uint8] | None, NDArray[np.int64] | None]:
+    if "frames" in file and "t_us" in file:
+        frames = stacked([grey(image) for image in file["frames"][()]], path)
+        return frames, file["t_us"][()].astype(np.int64)
+    images = [file["images"][name] for name in sorted(file["images"])] if "images" in file else []
+    if not images or any("timestamp" not in image.attrs for image in images):
+        return None, None  # DSEC keeps its images elsewhere
+    seconds = np.array([float(image.attrs["timestamp"]) for image in images])
+    return stacked([grey(image[()], "BGR") for image in images], path), _us(seconds)
+
+
+def _size(file: Any, events: Events, frames: NDArray[np.uint8] | None) -> tuple[int, int]:
+    if frames is not None:
+        return frames.shape[2], frames.shape[1]
+    width, height = smallest_size(events)
+    if "sensor_resolution" in file.attrs:
+        rows, columns = (int(side) for side in file.attrs["sensor_resolution"])
+        for sides in ((columns, rows), (rows, columns)):  # some write width first
+            if width <= sides[0] and height <= sides[1]:
+                return sides
+    return width, height

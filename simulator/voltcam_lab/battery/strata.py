@@ -1,0 +1,98 @@
+"""Strata: how bright a pixel is, and how its brightness changes, over each step of the scene."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from voltcam_simulator.kernel import kernel
+
+INTENSITY_NAMES = ("darkest", "dark", "middle", "bright", "brightest")
+SLOPE_NAMES = ("falling fast", "falling", "lull", "rising", "rising fast", "rest")
+INTENSITIES, SLOPES = len(INTENSITY_NAMES), len(SLOPE_NAMES)
+LULL, REST = 2, 5
+"""Lull: constant now, but not before or soon. Rest: constant for longer."""
+
+_SHARES = (
+    0.1,
+    0.3,
+    0.55,
+    0.8,
+)  # of pixels and time below each edge: the dark, where noise is, in finer steps
+_BUCKET_US, _BEFORE, _AFTER = 20_000, 3, 1  # at rest: constant over three buckets back and one ahead
+_REST_CHANGE = 0.06  # of ln(L + k2): a third of a threshold, and what one grey level is in the dark
+_LULL_SHARE = 0.1  # of the speed that divides slow from fast
+
+
+@dataclass(frozen=True, eq=False)
+class Strata:
+    """index (K, N - 1) uint8: intensity class x SLOPES + slope class of each pixel and step."""
+
+    index: NDArray[np.uint8]
+    intensity_edges_dn: NDArray[np.float64]
+    fast_per_s: float
+    """|d ln(L + k2)/dt| above which half of the change of brightness happens [1/s]."""
+
+
+def strata_of(light: NDArray[np.float32], log_light: NDArray[np.float32], t_us: NDArray[np.int64]) -> Strata:
+    """Strata of K pixels at N instants: light (K, N) [DN], log_light (K, N), t_us (N,)."""
+    some = slice(None, None, max(1, light.size // 2_000_000))
+    edges_dn = np.quantile(light[some], _SHARES).astype(np.float64)
+    edges = np.interp(edges_dn, np.sort(light[some], axis=None), np.sort(log_light[some], axis=None))
+    resting = at_rest(log_light, t_us, _BUCKET_US, _BEFORE, _AFTER, _REST_CHANGE)
+    change = np.abs(np.diff(log_light[some], axis=1))[~resting[some]]
+    span_s = np.broadcast_to(np.diff(t_us) * 1e-6, resting[some].shape)[~resting[some]]
+    fast_per_s = weighted_median(change / span_s, change) if change.sum() > 0 else 1.0
+    index = np.empty(resting.shape, np.uint8)
+    classify(log_light, t_us, edges, fast_per_s, _LULL_SHARE * fast_per_s, resting, SLOPES, index)
+    return Strata(index, edges_dn, fast_per_s)
+
+
+def weighted_median(values: NDArray[Any], weights: NDArray[Any]) -> float:
+    """The value that half of the weight lies below."""
+    order = np.argsort(values)
+    weight = np.cumsum(weights[order], dtype=np.float64)
+    return float(values[order][np.searchsorted(weight, weight[-1] / 2)])
+
+
+@kernel
+def at_rest(log_light: Any, t_us: Any, bucket_us: Any, before: Any, after: Any, limit: Any) -> Any:
+    """(K, N - 1): ln(L + k2) stays within `limit` from `before` buckets of time back to `after` ahead."""
+    pixels, steps = log_light.shape[0], log_light.shape[1] - 1
+    buckets = (t_us[steps] - t_us[0]) // bucket_us + 1
+    low, high = np.empty(buckets, np.float32), np.empty(buckets, np.float32)
+    resting = np.empty((pixels, steps), np.bool_)
+    for k in range(pixels):
+        low[:], high[:] = np.inf, -np.inf
+        for s in range(steps):
+            u, v = log_light[k, s], log_light[k, s + 1]
+            for b in range((t_us[s] - t_us[0]) // bucket_us, (t_us[s + 1] - t_us[0]) // bucket_us + 1):
+                low[b], high[b] = min(low[b], u, v), max(high[b], u, v)
+        for s in range(steps):
+            first = max((t_us[s] - t_us[0]) // bucket_us - before, 0)
+            last = min((t_us[s + 1] - t_us[0]) // bucket_us + after, buckets - 1)
+            bottom, top = np.float32(np.inf), np.float32(-np.inf)
+            for b in range(first, last + 1):
+                bottom, top = min(bottom, low[b]), max(top, high[b])
+            resting[k, s] = top - bottom < limit
+    return resting
+
+
+@kernel
+def classify(
+    log_light: Any, t_us: Any, edges: Any, fast: Any, lull: Any, resting: Any, slopes: Any, index: Any
+) -> None:
+    """Fill index; edges of ln(L + k2); fast and lull: limits of slope [1/s]; rest is the last class."""
+    for k in range(index.shape[0]):
+        for s in range(index.shape[1]):
+            middle = 0.5 * (log_light[k, s] + log_light[k, s + 1])
+            intensity = 0
+            for edge in edges:
+                intensity += middle > edge
+            slope = (log_light[k, s + 1] - log_light[k, s]) / ((t_us[s + 1] - t_us[s]) * 1e-6)
+            speed = abs(slope)
+            kind = 2 if speed < lull else (3 if speed < fast else 4)
+            if slope < 0:
+                kind = 4 - kind
+            index[k, s] = intensity * slopes + (slopes - 1 if resting[k, s] else kind)

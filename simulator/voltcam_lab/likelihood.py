@@ -1,0 +1,179 @@
+"""How likely same-pixel intervals are, along the path the light took, for given parameters.
+
+After an event a pixel starts at 0. Its voltage has the mean path
+
+    M(t) = k1 ln((L(t) + k2)/(L(0) + k2)) + k4 t + k5 integral L        (Eq. 1, 10)
+
+and the variance S(t) = integral sigma^2, sigma = k3 sqrt(L)/(L + k2) + k6 (Eq. 11). The first passage through a
+barrier theta has, where the path is not far from straight in the last stretch, the density (tangent
+approximation: Durbin, J. Appl. Prob. 22, 1985; exact for a straight path, where it is the inverse Gaussian law)
+
+    p(t) = (M'(t) + sigma^2 x/S) N(x; 0, S),    x = theta - M(t).
+
+What is uncertain beside the Wiener process is a normal shift of theta - x with variance E (reset noise, error of
+the light); it can be integrated out: S becomes S + E in both places. What stays with a pixel (its own
+thresholds, its own leak) is common to its intervals and is integrated out over all of them together.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import log_ndtr
+
+from .intervals import Intervals
+
+Vector = NDArray[np.float64]
+
+START = {
+    "k1": 5.0, "k2_dn": 20.0, "k3": 1e-4, "k4_per_us": 1e-7, "k5_per_dn_us": 1e-8, "k6": 1e-5, "on_over_off": 1.0,
+    "threshold_spread": 0.02, "leak_spread": 0.05, "reset_spread": 0.003, "light_error_dn": 0.3,
+    "bend_error": 0.3,
+}  # fmt: skip
+"""Parameters of the likelihood, all positive, and where the search begins: the camera's first, then what spreads."""
+
+NAMES = tuple(START)
+OUTLIER = 0.01
+"""Share of the intervals whose missing event is not held against the model: light the frames do not show."""
+
+
+@dataclass(frozen=True, eq=False)
+class Terms:
+    """What the model says of each interval; arrays (n,)."""
+
+    rise: Vector  # M in the direction of the end (of ON where none was seen)
+    speed: Vector  # its slope there [1/us]
+    wiener: Vector  # S
+    wiener_rate: Vector  # sigma^2 at the end [1/us]
+    error: Vector  # E
+    leaked: Vector  # the part of `rise` that the leak made
+    highest: Vector  # of M on the way
+    lowest: Vector
+    theta: Vector  # the barrier in the direction of the end
+
+
+def terms(seen: Intervals, dead_us: float, p: Mapping[str, float]) -> Terms:
+    """The model's terms for parameters `p` (as START) when pixels are held for dead_us after an event."""
+    before, after, mean = (seen[name].astype(np.float64) for name in ("before", "after", "mean"))
+    lowest, highest = seen["lowest"].astype(np.float64), seen["highest"].astype(np.float64)
+    side = np.where(seen["end"] < 0, -1.0, 1.0)
+    k1, k2 = p["k1"], p["k2_dn"]
+    free_us = np.maximum(seen["end_us"] - seen["start_us"] - dead_us, 1.0)
+    dark = np.log(before + k2)
+    leaked = (p["k4_per_us"] + p["k5_per_dn_us"] * mean) * free_us
+    rate = (p["k3"] * np.sqrt(mean) / (mean + k2) + p["k6"]) ** 2
+    blurred = np.minimum(highest - lowest, 1.0)  # light that stands still has no error of its change
+    light_error2 = (
+        blurred * p["light_error_dn"] ** 2 + (p["bend_error"] * seen["doubt"].astype(np.float64)) ** 2
+    )
+    error = p["reset_spread"] ** 2 + light_error2 * (k1 / (mean + k2)) ** 2
+    leak_rate = p["k4_per_us"] + p["k5_per_dn_us"] * after
+    ratio = np.sqrt(p["on_over_off"])
+    return Terms(
+        rise=side * (k1 * (np.log(after + k2) - dark) + leaked),
+        speed=side * (k1 * seen["slope"] / (after + k2) + leak_rate),
+        wiener=rate * free_us,
+        wiener_rate=rate,
+        error=error,
+        leaked=side * leaked,
+        highest=k1 * (np.log(highest + k2) - dark) + leaked,
+        lowest=k1 * (np.log(lowest + k2) - dark),
+        theta=np.where(side > 0, ratio, 1 / ratio),
+    )
+
+
+class Likelihood:
+    """The log likelihood of intervals, robust against events the model does not know.
+
+    `weights` (n,) are each interval's chance to be the model's own; `reweigh` sets them, and the rates of
+    ON and OFF events that come out of the blue, from the model as it stands (an EM step).
+    """
+
+    def __init__(self, seen: Intervals, dead_us: float) -> None:
+        side = np.where(seen["end"] < 0, 1, 0)
+        ended = seen["end"] != 0
+        order = np.lexsort((side, seen["pixel"], ~ended))
+        self.seen, self.dead_us = seen[order], dead_us
+        self.events = int(ended.sum())
+        self.pixels, self._pixel = np.unique(self.seen["pixel"], return_inverse=True)
+        member = self._pixel[: self.events] * 2 + (self.seen["end"][: self.events] < 0)
+        groups, self._group = np.unique(member, return_inverse=True)  # ON and OFF of a pixel: own thresholds
+        self._pixel_of_group = groups // 2
+        self.span_us = float((self.seen["end_us"] - self.seen["start_us"]).sum())
+        self.weights: Vector = np.ones(self.events)
+        self.stray_per_us = np.full(2, 1e-9)
+
+    def by_pixel(self, p: Mapping[str, float]) -> Vector:
+        """The log likelihood of each pixel of `pixels`, (pixels,)."""
+        t = terms(self.seen, self.dead_us, p)
+        n = self.events
+        passed = self.weights * (self._log_density(t, p) + self._not_other(t, p)[:n])
+        each = np.concatenate([passed, self._log_survival(t, p)[n:]])
+        spread = np.bincount(self._pixel_of_group, self._own(t, p)[1], minlength=len(self.pixels))
+        return np.bincount(self._pixel, each, minlength=len(self.pixels)) + spread
+
+    def _log_density(self, t: Terms, p: Mapping[str, float]) -> Vector:
+        """ln p(t) of the intervals with an event, without what their pixel has in common."""
+        n = self.events
+        x, variance = (t.theta - t.rise)[:n], (t.wiener + t.error)[:n]
+        speed = t.speed[:n] + t.wiener_rate[:n] * (x - self._own(t, p)[0]) / variance
+        return np.log(np.maximum(speed, 1e-10)) - 0.5 * (np.log(2 * np.pi * variance) + x * x / variance)
+
+    def _own(self, t: Terms, p: Mapping[str, float]) -> tuple[Vector, Vector]:
+        """The part of each x (events,) that is the pixel's own, and what that adds to each group's log density.
+
+        With x = u a + v b + noise, a ~ N(0, m^2) and b ~ N(0, s^2) common to a pixel: a two-by-two system.
+        """
+        n, g = self.events, self._group
+        x, precision = (t.theta - t.rise)[:n], self.weights / (t.wiener + t.error)[:n]
+        u, v = t.theta[:n], -t.leaked[:n]
+        m2, s2 = p["threshold_spread"] ** 2, p["leak_spread"] ** 2
+        uu = np.bincount(g, precision * u * u) + 1 / m2
+        vv = np.bincount(g, precision * v * v) + 1 / s2
+        uv = np.bincount(g, precision * u * v)
+        ux, vx = np.bincount(g, precision * u * x), np.bincount(g, precision * v * x)
+        determinant = uu * vv - uv * uv
+        a, b = (vv * ux - uv * vx) / determinant, (uu * vx - uv * ux) / determinant
+        spread = 0.5 * (a * ux + b * vx) - 0.5 * np.log(determinant * m2 * s2)
+        return u * a[g] + v * b[g], spread
+
+    def _width(self, t: Terms, p: Mapping[str, float]) -> Vector:
+        own = (p["threshold_spread"] * t.theta) ** 2 + (p["leak_spread"] * t.leaked) ** 2
+        return np.sqrt(t.wiener + t.error + own)
+
+    def _not_other(self, t: Terms, p: Mapping[str, float]) -> Vector:
+        """ln P(the other barrier was not met on the way)."""
+        ratio = np.sqrt(p["on_over_off"])
+        room = np.where(self.seen["end"] < 0, ratio - t.highest, 1 / ratio + t.lowest)
+        return _lenient(log_ndtr(room / self._width(t, p)))
+
+    def _log_survival(self, t: Terms, p: Mapping[str, float]) -> Vector:
+        """ln P(no barrier was met), of intervals whose end was not seen."""
+        ratio = np.sqrt(p["on_over_off"])
+        width = self._width(t, p)
+        return _lenient(log_ndtr((ratio - t.highest) / width) + log_ndtr((1 / ratio + t.lowest) / width))
+
+    def reweigh(self, p: Mapping[str, float]) -> float:
+        """Set `weights` and `stray_per_us` from the model with parameters `p`.
+
+        Returns the log likelihood of the events as a mixture of the model's own and others, which may be
+        compared between readings of the same recording.
+        """
+        t = terms(self.seen, self.dead_us, p)
+        n = self.events
+        variance = (t.wiener + t.error)[:n]
+        rest = (t.theta - t.rise)[:n] - self._own(t, p)[0]
+        speed = np.maximum(t.speed[:n] + t.wiener_rate[:n] * rest / variance, 1e-10)
+        own = speed * np.exp(-0.5 * rest**2 / variance) / np.sqrt(2 * np.pi * variance)
+        off = (self.seen["end"][:n] < 0).astype(np.intp)
+        stray = self.stray_per_us[off] * np.exp(self._not_other(t, p)[:n])
+        self.weights = own / (own + stray)
+        lost = np.bincount(off, 1 - self.weights, minlength=2)
+        self.stray_per_us = np.maximum(lost / self.span_us, 1e-12)
+        return float(np.log(own + stray).sum() + self._log_survival(t, p)[n:].sum())
+
+
+def _lenient(log_probability: Vector) -> Vector:
+    """Of a probability that is never below OUTLIER."""
+    return np.logaddexp(np.log1p(-OUTLIER) + log_probability, np.log(OUTLIER))
