@@ -44,11 +44,11 @@ def contenders(
             "paper",
             lambda: calibrate_as_paper(recording.events, scene, fitting.pixels, masked).parameters,
         ),
-        "paper, as published": ("paper", lambda: published),
         "paper, thresholds fitted": ("paper", lambda: thresholds("paper", published)),
-        "no noise, thresholds fitted": ("exact", lambda: thresholds("exact", ideal)),
         "esim, thresholds fitted": ("esim", lambda: thresholds("esim")),
         "v2e, thresholds fitted": ("v2e", lambda: thresholds("v2e")),
+        "paper, as published": ("paper", lambda: published),
+        "no noise, thresholds fitted": ("exact", lambda: thresholds("exact", ideal)),
     }
     makers: Contenders = {}
     missing = []

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from .ascent import Prior, Vector, ascend, scores
 from .intervals import Intervals
 from .likelihood import NAMES, START, Likelihood
+from .rest import NO_WAITS, Waits
 
 PRIOR_SD = {name: 1.0 for name in NAMES} | {"k4_per_us": 2.0, "k5_per_dn_us": 2.0, "on_over_off": 0.3}
 """Of the logarithm of each parameter about its START: a factor 2.7 either way; leaks 7, thresholds 1.35."""
@@ -44,35 +45,42 @@ def named(log: Vector) -> dict[str, float]:
 
 
 def maximise(
-    seen: Intervals, dead_us: float, start: Vector | None = None, em_steps: int = EM_STEPS, steps: int = 25
+    seen: Intervals,
+    dead_us: float,
+    start: Vector | None = None,
+    em_steps: int = EM_STEPS,
+    steps: int = 25,
+    waits: Waits = NO_WAITS,
 ) -> tuple[Vector, Likelihood]:
     """The log parameters of highest posterior, and the likelihood with its weights there.
 
     Without a start the search begins with wide errors, which let it see a far way.
     """
-    likelihood = Likelihood(seen, dead_us)
+    likelihood = Likelihood(seen, dead_us, waits)
     likelihood.stray_per_us[:] = 0.01 * likelihood.events / likelihood.span_us
     x = _WIDE.copy() if start is None else start
     if start is not None:
         likelihood.reweigh(named(x))
     for _ in range(em_steps):
         former = x
-        x = ascend(lambda x: likelihood.by_pixel(named(x)), x, _PRIOR, steps)
+        x = ascend(lambda x: likelihood.parts(named(x)), x, _PRIOR, steps)
         likelihood.reweigh(named(x))
         if np.abs(x - former).max() < 0.003:
             break
     return x, likelihood
 
 
-def fit(seen: Intervals, dead_us: float, width: int, start: Vector | None = None) -> Fit:
+def fit(
+    seen: Intervals, dead_us: float, width: int, start: Vector | None = None, waits: Waits = NO_WAITS
+) -> Fit:
     """Fit intervals of a sensor `width` pixels wide whose pixels are held for dead_us after an event."""
-    x, likelihood = maximise(seen, dead_us, start)
+    x, likelihood = maximise(seen, dead_us, start, waits=waits)
 
     def parts(x: Vector) -> Vector:
-        return likelihood.by_pixel(named(x))
+        return likelihood.parts(named(x))
 
     score = scores(parts, x)
-    pixel = likelihood.pixels.astype(np.int64)
+    pixel = likelihood.part_pixel.astype(np.int64)
     tile = (pixel // width // TILE) * (width // TILE + 1) + pixel % width // TILE
     _, member = np.unique(tile, return_inverse=True)
     by_tile = np.stack([np.bincount(member, row) for row in score])

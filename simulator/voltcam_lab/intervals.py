@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from voltcam_simulator.kernel import kernel
 
-from .scene import Scene
+from .masks import Mask, Windows
+from .scene import TRUSTED, Scene
 
 INTERVAL = np.dtype([
     ("pixel", "<i4"),
@@ -31,15 +32,17 @@ def intervals(
     events: NDArray[np.void],
     scene: Scene,
     keep: NDArray[np.bool_],
-    masked: NDArray[np.int64],
+    masked: Mask | Windows,
     dead_us: float = 0.0,
     delay_us: float = 0.0,
+    tolerance: float = TRUSTED,
 ) -> Intervals:
     """The intervals of the pixels in `keep` (H, W), of dtype INTERVAL, by pixel and then time.
 
     Each begins with an event: what a pixel does after one does not depend on what it did before, so intervals
-    are fair whatever the recording's start was. An event in a masked time (M, 2) [us] ends an interval unseen
-    where the mask begins, and begins none. So do times in which the light is not known (`Scene.trusted`). The last one of each pixel ends unseen at the end of the scene.
+    are fair whatever the recording's start was. An event in a masked time (a Mask, or windows (M, 2) [us] of
+    all rows) ends an interval unseen where the mask begins, and begins none. So do times in which the light is not known (`Scene.trusted` to
+    `tolerance`). The last one of each pixel ends unseen at the end of the scene.
     dead_us: what the light does in this time after an event is lost. delay_us: events are this much late.
     """
     event_pixel = events["y"].astype(np.int64) * scene.width + events["x"]
@@ -48,13 +51,14 @@ def intervals(
     pixel = event_pixel[chosen][order]
     t_us = events["t"][chosen][order].astype(np.float64)
     polarity = np.where(events["p"][chosen][order], 1, -1).astype(np.int8)
-    window_start = _start_of_mask(t_us, masked)
+    mask = masked if isinstance(masked, Mask) else Mask(masked)
+    window_start = mask.start(t_us, pixel // scene.width)
     inside = (t_us - delay_us >= scene.t_us[0]) & (t_us - delay_us + dead_us < scene.t_us[-1])
     pixel, t_us, polarity, window_start = (a[inside] for a in (pixel, t_us, polarity, window_start))
     found = np.zeros(len(pixel), INTERVAL)
     used, row = np.unique(pixel, return_inverse=True)
     planes = np.ascontiguousarray(scene.images.reshape(len(scene.images), -1)[:, used].T)
-    trusted = np.ascontiguousarray(scene.trusted[:, used].T)
+    trusted = np.ascontiguousarray(scene.trusted(tolerance)[:, used].T)
     walk(
         row, pixel, t_us - delay_us, polarity, window_start - delay_us, planes,
         scene.t_us.astype(np.float64), trusted, scene.taken_us.astype(np.float64), dead_us, found
@@ -62,15 +66,6 @@ def intervals(
     found = found[found["start"] != 0]
     found["doubt"] = np.hypot(*(scene.doubt(found["pixel"], found[side]) for side in ("start_us", "end_us")))
     return found
-
-
-def _start_of_mask(t_us: NDArray[np.float64], masked: NDArray[np.int64]) -> NDArray[np.float64]:
-    """For each time, the start of the mask it lies in; the time itself where it lies in none."""
-    if len(masked) == 0:
-        return t_us.copy()
-    which = np.searchsorted(masked[:, 0], t_us, side="right") - 1
-    inside = (which >= 0) & (t_us < masked[np.maximum(which, 0), 1])
-    return np.where(inside, masked[np.maximum(which, 0), 0], t_us)
 
 
 @kernel

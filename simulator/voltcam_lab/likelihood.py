@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from scipy.special import log_ndtr
 
 from .intervals import Intervals
+from .rest import NO_WAITS, Waits, log_likelihood
 
 Vector = NDArray[np.float64]
 
@@ -90,22 +91,28 @@ class Likelihood:
     ON and OFF events that come out of the blue, from the model as it stands (an EM step).
     """
 
-    def __init__(self, seen: Intervals, dead_us: float) -> None:
+    def __init__(self, seen: Intervals, dead_us: float, waits: Waits = NO_WAITS) -> None:
         side = np.where(seen["end"] < 0, 1, 0)
         ended = seen["end"] != 0
         order = np.lexsort((side, seen["pixel"], ~ended))
-        self.seen, self.dead_us = seen[order], dead_us
+        self.seen, self.dead_us, self.waits = seen[order], dead_us, waits
         self.events = int(ended.sum())
         self.pixels, self._pixel = np.unique(self.seen["pixel"], return_inverse=True)
         member = self._pixel[: self.events] * 2 + (self.seen["end"][: self.events] < 0)
         groups, self._group = np.unique(member, return_inverse=True)  # ON and OFF of a pixel: own thresholds
         self._pixel_of_group = groups // 2
-        self.span_us = float((self.seen["end_us"] - self.seen["start_us"]).sum())
+        self.part_pixel = np.concatenate([self.pixels, waits["pixel"]])
+        self.span_us = max(float((self.seen["end_us"] - self.seen["start_us"]).sum()), 1.0)
         self.weights: Vector = np.ones(self.events)
         self.stray_per_us = np.full(2, 1e-9)
 
-    def by_pixel(self, p: Mapping[str, float]) -> Vector:
-        """The log likelihood of each pixel of `pixels`, (pixels,)."""
+    def parts(self, p: Mapping[str, float]) -> Vector:
+        """The log likelihood of each pixel's intervals, and of each wait, by `part_pixel`."""
+        leak = p["k4_per_us"] + p["k5_per_dn_us"] * self.waits["level"]
+        waited = log_likelihood(self.waits, leak, float(np.sqrt(p["on_over_off"])))
+        return np.concatenate([self._by_pixel(p), waited])
+
+    def _by_pixel(self, p: Mapping[str, float]) -> Vector:
         t = terms(self.seen, self.dead_us, p)
         n = self.events
         passed = self.weights * (self._log_density(t, p) + self._not_other(t, p)[:n])

@@ -64,15 +64,18 @@ class Scene:
         return missed
 
     @cached_property
-    def trusted(self) -> NDArray[np.bool_]:
-        """Where the light between frame k and the next is known well enough to say when an event is due.
-
-        (M - 1, pixels). No surprise of more than TRUSTED of the brightness in either frame, nor next to the pixel.
-        """
+    def unsure(self) -> NDArray[np.float32]:
+        """The largest surprise of a frame at a pixel or next to it, of the brightness; (M, H, W)."""
         bright = self.taken.reshape(len(self.taken), -1).astype(np.float32) + USUAL_DARK_DN
         share = (self.surprise / bright).reshape(self.taken.shape)
-        nearby = maximum_filter(share, size=(1, 3, 3)).reshape(len(self.taken), -1)
-        good: NDArray[np.bool_] = nearby < TRUSTED
+        return np.asarray(maximum_filter(share, size=(1, 3, 3)), np.float32)
+
+    def trusted(self, tolerance: float = TRUSTED) -> NDArray[np.bool_]:
+        """Where the light between frame k and the next is known well enough to say when an event is due.
+
+        (M - 1, pixels). No surprise of more than `tolerance` of the brightness in either frame, nor next to it.
+        """
+        good: NDArray[np.bool_] = self.unsure.reshape(len(self.taken), -1) < tolerance
         return good[:-1] & good[1:]
 
     def doubt(self, pixel: NDArray[np.int32], t_us: NDArray[np.float64]) -> NDArray[np.float64]:

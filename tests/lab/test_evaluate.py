@@ -12,7 +12,6 @@ from voltcam_client.formats import Recording, open_writer
 from voltcam_lab import cli_evaluate, contenders
 from voltcam_lab.distances import HEADLINES, MEASURES, held_out
 from voltcam_lab.evaluate import Evaluation, evaluate, yardstick_of
-from voltcam_lab.evaluation_page import write_evaluation
 from voltcam_lab.models import MODELS, simulate
 from voltcam_lab.scene import scene_of
 from voltcam_simulator import Parameters
@@ -77,18 +76,6 @@ def test_only_what_is_held_out_is_judged(evaluation: Evaluation, recording: Reco
     assert not (region.pixels & fitting.pixels).any()
 
 
-def test_the_page_is_written_with_its_figures(evaluation: Evaluation, tmp_path: Path) -> None:
-    page = write_evaluation([evaluation], tmp_path, notes=["v2e: no"])
-    text = page.read_text(encoding="utf-8")
-    images = [part.split(")")[0] for part in text.split("](")[1:]]
-    assert len(images) == 7
-    for image in images:
-        assert (tmp_path / image).read_bytes().startswith(b"\x89PNG")
-        assert (tmp_path / image).stat().st_size < 500_000
-    assert "v2e: no" in text
-    assert evaluation.to_markdown() in text
-
-
 def test_a_recording_that_compares_nothing_is_refused(recording: Recording) -> None:
     with pytest.raises(ValueError, match="has 0 frames"):
         yardstick_of(replace(recording, frames=None, frame_t_us=None))
@@ -117,7 +104,7 @@ def test_fits_see_nothing_of_what_is_judged(recording: Recording, monkeypatch: p
         assert any(first <= begin and end <= last for first, last in masked.tolist())
 
 
-def test_the_command_writes_the_page(
+def test_the_command_writes_the_page_and_its_figures(
     recording: Recording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with open_writer(tmp_path / "waves.npz", width=WIDTH, height=HEIGHT) as writer:
@@ -135,4 +122,12 @@ def test_the_command_writes_the_page(
     arguments = parser.parse_args([str(tmp_path / "waves.npz"), "--out", str(tmp_path / "docs")])
     assert arguments.run(arguments) == 0
     assert "W1: exact is closest" in capsys.readouterr().out
-    assert "waves: esim: no" in (tmp_path / "docs" / "evaluation.md").read_text(encoding="utf-8")
+    text = (tmp_path / "docs" / "evaluation.md").read_text(encoding="utf-8")
+    assert "waves: esim: no" in text
+    assert "| exact |" in text
+    images = [part.split(")")[0] for part in text.split("](")[1:]]
+    assert len(images) == 7
+    for image in images:
+        content = (tmp_path / "docs" / image).read_bytes()
+        assert content.startswith(b"\x89PNG")
+        assert len(content) < 300_000

@@ -15,7 +15,7 @@ from .style import OFF, ON, ON_OFF, REAL, colours, styled
 
 DECAY_US = 3000.0
 WINDOW_US, SIDE = 80_000, 64
-MOST_POINTS = 3000
+MOST_POINTS = 2500
 
 
 @dataclass(frozen=True)

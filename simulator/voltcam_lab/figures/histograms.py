@@ -40,5 +40,5 @@ def interval_histograms(real: Intervals, simulated: Mapping[str, Intervals], str
     for row in range(3):
         axes[row, 0].set_ylabel(rows[row], color=REAL)
     figure.supxlabel("time between two events of a pixel and polarity", fontsize=9)
-    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=6)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
     return figure

@@ -114,7 +114,7 @@ def _panel(
 @styled
 def noise_in_recording(real: NoiseRates, simulated: Mapping[str, NoiseRates]) -> Figure:
     """ON and OFF rates in still light by brightness, real beside models."""
-    figure = Figure((8.8, 3.3), layout="constrained")
+    figure = Figure((8.8, 3.6), layout="constrained")
     axes = figure.subplots(1, 2, sharey=True)
     centres = (real.edges_dn[1:] + real.edges_dn[:-1]) / 2
     colour = colours(list(simulated))
@@ -129,5 +129,5 @@ def noise_in_recording(real: NoiseRates, simulated: Mapping[str, NoiseRates]) ->
         panel.set_xlabel("brightness [DN]")
         panel.grid(True)
     axes[0].set_ylabel("events / s / pixel in still light")
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=6)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure

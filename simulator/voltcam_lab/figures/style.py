@@ -10,17 +10,20 @@ from typing import Any, Literal, ParamSpec
 import matplotlib as mpl
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
+from PIL import Image
 
 P = ParamSpec("P")
 
 # Okabe and Ito's colours, told apart by every kind of colour vision; ON and OFF as on the daemon's page.
 BLACK, ORANGE, SKY, GREEN = "#000000", "#e69f00", "#56b4e9", "#009e73"
-BLUE, VERMILION, PURPLE, GREY = "#0072b2", "#d55e00", "#cc79a7", "#7a828c"
+BLUE, VERMILION, PURPLE, WINE = "#0072b2", "#d55e00", "#cc79a7", "#882255"
 ON, OFF, REAL = BLUE, VERMILION, "#3a3f45"
 ON_OFF = LinearSegmentedColormap.from_list("on_off", [VERMILION, "#f6c7a6", "#ffffff", "#a3cbe6", BLUE])
-_MODELS = {"exact": BLUE, "paper": PURPLE, "published": PURPLE, "esim": GREEN, "v2e": ORANGE}
-_OTHERS = (SKY, VERMILION, BLACK)
-MARKERS = "osD^vPX*"
+_MODELS = {
+    "exact": BLUE, "paper": PURPLE, "esim": GREEN, "v2e": ORANGE, "no noise": SKY,
+    "paper, thresholds fitted": VERMILION, "paper, as published": WINE,
+}  # fmt: skip
+_OTHERS = (SKY, VERMILION, WINE, BLACK)
 
 STYLE: Any = {  # rc_context wants every name as a literal
     "font.family": "DejaVu Sans",
@@ -65,7 +68,7 @@ def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
 def colours(names: list[str]) -> dict[str, str]:
     """A colour for each model, the same in every figure for those of the same names."""
     free = iter(_OTHERS * len(names))
-    return {name: _MODELS.get(name.split(",")[0].split()[0]) or next(free) for name in names}
+    return {name: _MODELS.get(name) or _MODELS.get(name.split(",")[0]) or next(free) for name in names}
 
 
 def save(figure: Figure, path: Path) -> None:
@@ -81,7 +84,16 @@ def as_uri(figure: Figure, kind: Literal["svg", "png"] = "svg") -> str:
 
 def _bytes(figure: Figure, kind: Literal["svg", "png"]) -> bytes:
     target = io.BytesIO()
-    metadata = {"Date": None} if kind == "svg" else {"Software": None}
     with mpl.rc_context(STYLE):
-        figure.savefig(target, format=kind, metadata=metadata)
+        figure.savefig(target, format=kind, metadata={"Date": None} if kind == "svg" else {"Software": None})
+    return target.getvalue() if kind == "svg" else _smaller(target)
+
+
+def _smaller(png: io.BytesIO) -> bytes:
+    """The same with a palette: a third of the size."""
+    target = io.BytesIO()
+    with Image.open(png) as image:
+        image.convert("RGB").quantize(96, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(
+            target, "png", optimize=True
+        )
     return target.getvalue()

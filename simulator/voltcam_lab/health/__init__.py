@@ -3,7 +3,7 @@
     health = examine(load("street.aedat4"))
     print(health.text())
 
-`exposure_windows` and `hot_pixels` are what a calibration leaves out.
+`frame_mask` and `hot_pixels` are what a calibration leaves out; `exposure_windows` are the same for all rows.
 """
 
 import numpy as np
@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from voltcam_client.formats import Recording
 from voltcam_lab.health import basics, sensor
-from voltcam_lab.health.bursts import find_windows, mask_of
+from voltcam_lab.health.bursts import find_mask, find_windows, mask_of
 from voltcam_lab.health.content import Content
 from voltcam_lab.health.finding import Determination, Finding, Health
 from voltcam_lab.health.pixels import find_hot, find_silent
 from voltcam_lab.health.subject import Subject, subject_of, within
+from voltcam_lab.masks import Mask
 
-__all__ = ["Determination", "Finding", "Health", "examine", "exposure_windows", "hot_pixels"]
+__all__ = ["Determination", "Finding", "Health", "examine", "exposure_windows", "frame_mask", "hot_pixels"]
 
 
 def examine(recording: Recording) -> Health:
@@ -54,6 +55,11 @@ def exposure_windows(recording: Recording) -> NDArray[np.int64]:
     events; sorted, not overlapping; (0, 2) where there are none. ValueError without frames."""
     subject = subject_of(recording)
     return mask_of(find_windows(subject), subject.light.t_us)
+
+
+def frame_mask(recording: Recording) -> Mask:
+    """The same times, narrower where rows take turns: each row's own. ValueError without frames."""
+    return find_mask(subject_of(recording))
 
 
 def hot_pixels(recording: Recording) -> NDArray[np.bool_]:

@@ -12,12 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voltcam_lab.health.subject import Subject
+from voltcam_lab.masks import Mask
 
 _WIDTHS_US = (100, 400, 1600, 5000)
 _T_TEST = 5.0
 _EXCESS = 0.3  # of the rate elsewhere: less is not worth a mask
 _FEWEST = 20  # events of a moment
 _JOIN_US = 500
+_BEFORE_US = 100  # the least width: a row's delay is known less well than that
+_AFTER_US = 500  # of a row's kick: pixels that it made fire are missing among those about to
 _SHUFFLES = 19
 
 
@@ -57,13 +60,37 @@ def find_windows(subject: Subject) -> list[Window]:
     rest = near & subject.at_rest
     spans += _spans(subject, index, phase, [rest & subject.on, rest & ~subject.on, rest])
     scan = find_row_scan(subject, rest)
-    if scan is not None:  # without the rows' delay, the bursts are narrow and stand out
-        half_us = subject.period_us / 2
-        straight = (phase - scan.us_per_row * subject.y + half_us) % (2 * half_us) - half_us
+    if scan is not None:
         last_us = round(scan.us_per_row * (subject.recording.height - 1))
-        for begin, end in _spans(subject, index, straight.astype(np.int64), [rest]):
+        for begin, end in _spans(subject, index, _straight(subject, phase, scan), [rest]):
             spans.append((begin + min(last_us, 0), end + max(last_us, 0)))
     return [_window(subject, index, phase, begin, end) for begin, end in _joined(spans)]
+
+
+def find_mask(subject: Subject) -> Mask:
+    """What to leave out of each row: no more than its own moments where rows take turns."""
+    index, phase = phases(subject)
+    near, frame_t_us = index >= 0, subject.light.t_us
+    rest = near & subject.at_rest
+    scan = find_row_scan(subject, rest)
+    if scan is None:
+        return Mask(mask_of(find_windows(subject), frame_t_us))
+    straight = _straight(subject, phase, scan)
+    groups = [rest, near & subject.on, near & ~subject.on]
+    spans = _spans(subject, index, straight, groups)
+    spans = _joined([(begin - _BEFORE_US, end + _AFTER_US) for begin, end in spans])
+    kicked = np.zeros(phase.size, np.bool_)
+    for begin, end in spans:
+        kicked |= (straight >= begin) & (straight < end)
+    at_once = _joined(_spans(subject, index, phase, [group & ~kicked for group in groups]))
+    return Mask(spans_at(at_once, frame_t_us), spans_at(spans, frame_t_us), scan.us_per_row)
+
+
+def _straight(subject: Subject, phase: NDArray[np.int64], scan: RowScan) -> NDArray[np.int64]:
+    """Phases without the rows' delay: the bursts are narrow and stand out."""
+    half_us = subject.period_us / 2
+    straight = (phase - scan.us_per_row * subject.y + half_us) % (2 * half_us) - half_us
+    return straight.astype(np.int64)
 
 
 def _spans(
@@ -93,8 +120,12 @@ def _spans(
 
 def mask_of(windows: list[Window], frame_t_us: NDArray[np.int64]) -> NDArray[np.int64]:
     """(M, 2) begin and end of every window at every frame, sorted, joined where they overlap."""
-    begins = np.array([window.begin_us for window in windows], np.int64)
-    ends = np.array([window.end_us for window in windows], np.int64)
+    return spans_at([(window.begin_us, window.end_us) for window in windows], frame_t_us)
+
+
+def spans_at(spans: Sequence[tuple[int, int]], frame_t_us: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The same of spans [us] about the frames' times."""
+    begins, ends = np.array(spans, np.int64).reshape(-1, 2).T
     pairs = zip(
         (frame_t_us[:, None] + begins).ravel().tolist(),
         (frame_t_us[:, None] + ends).ravel().tolist(),

@@ -1,0 +1,103 @@
+"""Effects that may be missing, each at sizes it may have."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import log
+from typing import Any
+
+from voltcam_simulator import Parameters
+
+Changes = Mapping[str, Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An effect that is off in the model, and how to switch it on.
+
+    sizes: for each of `names`, the sizes at which it is tried, from weak to strong; further ones are found by
+    fitting. All keep their sign. others: what goes with it.
+    """
+
+    effect: str
+    names: tuple[str, ...]
+    sizes: tuple[tuple[float, ...], ...]
+    others: Mapping[str, Any] = field(default_factory=dict)
+
+    def on(self, parameters: Parameters, size: tuple[float, ...]) -> Parameters:
+        """The parameters with the effect at a size (one number for each name)."""
+        values = dict(zip(self.names, size, strict=True))
+        return parameters.changed({self.effect: {**self.others, **values}})
+
+
+@dataclass(frozen=True)
+class Asymmetry(Candidate):
+    """Unequal thresholds: their ratio is the size, their product stays."""
+
+    def on(self, parameters: Parameters, size: tuple[float, ...]) -> Parameters:
+        """The parameters with theta_on/theta_off times the size."""
+        now, (ratio,) = parameters.comparator, size
+        return parameters.changed(
+            {"comparator": {"theta_on": now.theta_on * ratio**0.5, "theta_off": now.theta_off * ratio**-0.5}}
+        )
+
+
+@dataclass(frozen=True)
+class Clues:
+    """What a recording tells of effects that have a clock or a place of their own."""
+
+    seconds: float
+    peak_rate_per_s: float
+    flicker_hz: float
+    frame_period_us: float
+    exposure_us: float
+    row_us: float
+    rows: int
+    exposure_start_us: float
+    quantum_us: int
+
+
+def _one(name: str, *sizes: float) -> dict[str, Any]:
+    return {"names": (name,), "sizes": tuple((size,) for size in sizes)}
+
+
+def catalogue(clues: Clues) -> tuple[Candidate, ...]:
+    """What is tried; sizes of DIAGNOSIS.md, section 5, where it has some."""
+    warming = [10 * log(factor) / log(2.03) / clues.seconds for factor in (1.5, 2.5, 5.0)]
+    scan = {
+        "frame_period_us": clues.frame_period_us,
+        "exposure_us": clues.exposure_us,
+        "row_us": clues.row_us,
+        "offset_us": clues.exposure_start_us - clues.rows * clues.row_us,
+    }
+    kicks = (0.01, 0.03, 0.08)
+    both = (*kicks, *(-kick for kick in kicks))
+    return (
+        Candidate("refractory_period", **_one("period_us", 700, 2000, 6000)),
+        Candidate("photoreceptor_bandwidth", **_one("cutoff_hz", 500, 180, 55)),
+        Asymmetry("comparator", **_one("ratio", 1.05, 1.15, 1.35, 1 / 1.05, 1 / 1.15, 1 / 1.35)),
+        Candidate("flicker", **_one("depth", 0.01, 0.025, 0.06), others={"frequency_hz": clues.flicker_hz}),
+        Candidate("aps_coupling", **_one("exposure_kick", *both), others=scan),
+        Candidate("aps_coupling", **_one("readout_kick", *both), others=scan),
+        Candidate("aps_coupling", **_one("reset_kick", *both), others=scan),
+        Candidate("latency", ("delay_us", "jitter_us"), ((200, 200), (600, 600), (2000, 2000))),
+        Candidate("latency", **_one("delay_us", 300, 1000, 3000)),
+        Candidate("readout", **_one("event_us", 10, 25, 60)),
+        Candidate("hot_pixels", ("fraction", "rate_hz"), ((0.0015, 20), (0.005, 20), (0.015, 20), (0.005, 5))),
+        Candidate("low_light_shot_noise", **_one("c", 0.003, 0.006, 0.012)),
+        Candidate("threshold_mismatch", **_one("sigma", 0.05, 0.1, 0.2)),
+        Candidate("reset_noise", **_one("sigma", 0.08, 0.15, 0.28)),
+        Candidate("leak_mismatch", **_one("sigma", 0.05, 0.15, 0.5)),
+        Candidate("dead_pixels", **_one("fraction", 0.003, 0.01, 0.03)),
+        Candidate("temperature_drift", **_one("rate_c_per_s", *warming, *(-rate for rate in warming))),
+        Candidate(
+            "usb_overflow", **_one("max_rate_events_per_s", *(clues.peak_rate_per_s * x for x in (0.7, 0.4, 0.2))),
+            others={"buffer_events": 64},
+        ),
+        Candidate("crosstalk", **_one("coupling", 0.02, 0.05, 0.12)),
+        Candidate("noise_pairs", **_one("rate_hz", 0.5, 2, 8)),
+        Candidate("timestamp_quantum", **_one("quantum_us", max(clues.quantum_us, 2))),
+        Candidate("vignetting", **_one("corner_loss", 0.1, 0.3, 0.6)),
+        Candidate("exposure_blur", **_one("exposure_us", 2000, 5000, 15_000)),
+        Candidate("input_response", **_one("gamma_exponent", 0.8, 1.25, 2.2)),
+        Candidate("input_response", **_one("black_level_dn", 3, 8, 20)),
+    )  # fmt: skip

@@ -1,0 +1,61 @@
+"""The test rig: the model run on a recording's scene, and what the battery sees of it."""
+
+import os
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from voltcam_simulator import EVENT, Parameters, Simulator
+
+from ..battery import COUNTS, Setting, observe
+from ..twins import light_behind
+
+Values = NDArray[np.float64]
+LIGHTS = 6  # draws of the light behind the frames that runs take turns with
+BEND_ERROR = 0.5  # of `Scene.doubt`
+
+
+class Rig:
+    """Runs the model on one scene. The same parameters and seed give the same noise: runs may be compared."""
+
+    def __init__(self, setting: Setting, threads: int | None = None) -> None:
+        self.setting = setting
+        self._threads = threads or os.cpu_count() or 1
+
+    @cached_property
+    def _lights(self) -> list[list[tuple[NDArray[np.float32], int]]]:
+        return [
+            list(light_behind(self.setting.scene, np.random.default_rng(n), BEND_ERROR)) for n in range(LIGHTS)
+        ]
+
+    def run(self, parameters: Parameters, seed: int) -> Values:
+        """(PARTS, n) what the battery sees of one run, comparable."""
+        return comparable(observe(self.setting, self.events(parameters, seed)).values)
+
+    def events(self, parameters: Parameters, seed: int) -> NDArray[np.void]:
+        """The events of one run."""
+        scene = self.setting.scene
+        simulator = Simulator(scene.width, scene.height, parameters, seed=seed)
+        found = [simulator.advance(image, t_us) for image, t_us in self._lights[seed % LIGHTS]]
+        return np.concatenate([np.empty(0, EVENT), *found])
+
+    def runs(self, jobs: Iterable[tuple[Parameters, int]]) -> list[Values]:
+        """Many runs, on all cores."""
+        jobs = list(jobs)
+        _ = self._lights  # before there are threads that would each make them
+        with ThreadPoolExecutor(self._threads) as pool:
+            return list(pool.map(lambda job: self.run(*job), jobs))
+
+    def means(self, many: Sequence[Parameters], seeds: Sequence[int]) -> list[Values]:
+        """Of each parameter set, the mean over the seeds."""
+        found = self.runs((parameters, seed) for parameters in many for seed in seeds)
+        n = len(seeds)
+        return [np.mean(found[n * k : n * (k + 1)], axis=0) for k in range(len(many))]
+
+
+def comparable(values: Values) -> Values:
+    """Counts n as 2 sqrt(n + 3/8), whose spread does not depend on n (Anscombe 1948); the rest as it is."""
+    return np.where(COUNTS, 2 * np.sqrt(np.maximum(values, 0) + 0.375), values)

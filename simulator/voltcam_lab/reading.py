@@ -1,0 +1,69 @@
+"""What of a recording is fitted: which events, pixels, times, and what the light did."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .intervals import Intervals, intervals
+from .masks import Mask, Windows
+from .rest import NO_WAITS, Waits, at_rest, waits
+from .scene import TRUSTED, Scene, scene_of
+
+WELL_SAMPLED = 0.9  # share of the light that is trusted from which nothing better is looked for
+TOLERANCES = (TRUSTED, 0.1, 0.2, 0.4)  # of the light, the strictest first
+ENOUGH = 2_000  # intervals with an event: with as many, no more light is trusted than that
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """events (EVENT), sorted by time; the light; pixels to use (H, W); times to leave out: a Mask, or windows
+    (M, 2) [us] of all rows. tolerance: of the light, as `Scene.trusted`. still: pixels (H, W) whose waits for
+    a first event count; none where they are not given."""
+
+    events: NDArray[np.void]
+    scene: Scene
+    keep: NDArray[np.bool_]
+    masked: Mask | Windows
+    tolerance: float = TRUSTED
+    still: NDArray[np.bool_] | None = None
+
+    def intervals(self, dead_us: float, delay_us: float) -> Intervals:
+        """Its same-pixel intervals."""
+        return intervals(
+            self.events, self.scene, self.keep, self.masked, dead_us, delay_us, self.tolerance
+        )
+
+    def waits(self) -> Waits:
+        """For how long its pixels at rest had no event."""
+        return NO_WAITS if self.still is None else waits(self.events, self.scene, self.still, self.masked)
+
+    def prepared(self) -> "Reading":
+        """The same with its pixels at rest, and as little trust in the light as leaves enough to fit."""
+        found = replace(self, still=self.keep & at_rest(self.scene))
+        for tolerance in TOLERANCES:
+            found = replace(found, tolerance=tolerance)
+            if np.count_nonzero(found.intervals(0.0, 0.0)["end"]) >= ENOUGH:
+                break
+        return found
+
+    def sampled(self, rng: np.random.Generator, size: int) -> "Reading":
+        """Pixels with about `size` intervals, alike many where the light hardly moves, moves, and moves much."""
+        seen = self.intervals(0.0, 0.0)
+        count = np.bincount(seen["pixel"][seen["end"] != 0], minlength=self.keep.size)
+        moved = self.scene.images.std(axis=0).ravel()
+        usable = np.flatnonzero(self.keep.ravel() & (count > 0))
+        keep = np.zeros(count.size, np.bool_)
+        for part in np.array_split(usable[np.argsort(moved[usable], kind="stable")], 3):
+            drawn = rng.permutation(part)
+            keep[drawn[np.cumsum(count[drawn]) <= size / 3]] = True
+        return replace(self, keep=keep.reshape(self.keep.shape))
+
+
+def scene_between(frames: NDArray[np.uint8], frame_t_us: NDArray[np.int64]) -> Scene:
+    """The frames with the light between them that tells left-out frames better: a cubic, or motion."""
+    cubic = scene_of(frames, frame_t_us, "cubic")
+    if cubic.trusted().mean() > WELL_SAMPLED:
+        return cubic
+    moved = scene_of(frames, frame_t_us, "auto")
+    return min(cubic, moved, key=lambda scene: float(np.minimum(scene.unsure, TOLERANCES[-1]).mean()))
