@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from .ascent import Prior, Vector, ascend, scores
 from .intervals import Intervals
-from .likelihood import NAMES, START, Likelihood
+from .likelihood import LARGEST, NAMES, START, Likelihood
 from .rest import NO_WAITS, Waits
 
 PRIOR_SD = {name: 1.0 for name in NAMES} | {"k4_per_us": 2.0, "k5_per_dn_us": 2.0, "on_over_off": 0.3}
@@ -17,6 +17,7 @@ TILE = 8  # pixels a side: neighbours see the same edges, so they do not count a
 
 _START = np.log(np.array(list(START.values())))
 _WIDE = np.log(np.array(list((START | {"reset_spread": 0.3}).values())))
+_HIGHEST = np.log([LARGEST.get(name, 1e9) for name in NAMES])
 _PRIOR = Prior(_START, np.array(list(PRIOR_SD.values())))
 
 
@@ -40,8 +41,8 @@ class Fit:
 
 
 def named(log: Vector) -> dict[str, float]:
-    """Parameters by name from their logarithms."""
-    return dict(zip(NAMES, np.exp(log).tolist(), strict=True))
+    """Parameters by name from their logarithms, none above its LARGEST."""
+    return dict(zip(NAMES, np.exp(np.minimum(log, _HIGHEST)).tolist(), strict=True))
 
 
 def maximise(

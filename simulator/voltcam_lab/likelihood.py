@@ -34,6 +34,9 @@ START = {
 }  # fmt: skip
 """Parameters of the likelihood, all positive, and where the search begins: the camera's first, then what spreads."""
 
+LARGEST = {"threshold_spread": 0.5, "leak_spread": 1.0, "reset_spread": 0.5}
+"""What may be larger only because something else is wrong: spreads take in whatever is not understood."""
+
 NAMES = tuple(START)
 OUTLIER = 0.01
 """Share of the intervals whose missing event is not held against the model: light the frames do not show."""

@@ -1,6 +1,7 @@
 """What of a recording is fitted: which events, pixels, times, and what the light did."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,8 +61,8 @@ class Reading:
         return replace(self, keep=keep.reshape(self.keep.shape))
 
 
-def scene_between(frames: NDArray[np.uint8], frame_t_us: NDArray[np.int64]) -> Scene:
-    """The frames with the light between them that tells left-out frames better: a cubic, or motion."""
+def scene_between(frames: NDArray[Any], frame_t_us: NDArray[np.int64]) -> Scene:
+    """The light of frames (M, H, W) and between them, as tells left-out frames better: a cubic, or motion."""
     cubic = scene_of(frames, frame_t_us, "cubic")
     if cubic.trusted().mean() > WELL_SAMPLED:
         return cubic

@@ -1,7 +1,7 @@
 """Twins: recordings the model makes of the same scene, where the truth is known."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +12,10 @@ from .estimates import parameters_of
 from .fit import maximise, named
 from .likelihood import NAMES
 from .reading import Reading
-from .scene import Scene
+from .scene import Scene, scene_of
 
 TWINS, TURNS = 8, 2
+PER_LIGHT = 2  # twins that see the same: light between frames costs as much as a twin
 LEAST_SPREAD = 1e-4  # thresholds: nothing
 Vector = NDArray[np.float64]
 
@@ -33,8 +34,9 @@ def unbiased(
         parameters = parameters_of(values, dead_us, delay_us)
         for n in range(turn * TWINS, (turn + 1) * TWINS):
             report(f"twin {n + 1} of {TURNS * TWINS}")
-            events = twin(reading.scene, parameters, seed + n + 1, values["bend_error"])
-            own = replace(reading, events=events)
+            if n % PER_LIGHT == 0:
+                retaken = retake(reading.scene, np.random.default_rng(seed + n), values["bend_error"])
+            own = replace(reading, events=twin(retaken, parameters, seed + n + 1), scene=retaken.scene)
             seen, waited = own.intervals(dead_us, delay_us), own.waits()
             fits.append(maximise(seen, dead_us, truth, em_steps=2, waits=waited)[0])
         truth = _corrected(truth, found, np.array(fits))
@@ -56,49 +58,54 @@ def _corrected(truth: Vector, found: Vector, fits: NDArray[np.float64]) -> Vecto
     return corrected
 
 
-def twin(scene: Scene, parameters: Parameters, seed: int, bend_error: float = 0.0) -> NDArray[np.void]:
-    """Events (EVENT) of the model on light that the frames may have shown.
+@dataclass(frozen=True, eq=False)
+class Retaken:
+    """Light like that of a recording, and the scene of frames taken of it at other moments.
 
-    The frames do not fix the light: it is drawn anew from what they leave open (`light_behind`).
+    What is between the frames and what lies between two grey levels is then known, to the twin, not to the fit.
     """
-    simulator = Simulator(scene.width, scene.height, parameters, seed=seed)
-    found = [
-        simulator.advance(image, t_us)
-        for image, t_us in light_behind(scene, np.random.default_rng(seed), bend_error)
+
+    light: list[tuple[NDArray[np.float32], int]]
+    scene: Scene
+
+
+def retake(scene: Scene, rng: np.random.Generator, bend_error: float) -> Retaken:
+    """Light (between frames off by bend_error times `Scene.doubt`, normally), moved by a part of the frame period
+    and a part of a grey level, with new frames at the same times and new light between these."""
+    whole = np.issubdtype(scene.taken.dtype, np.integer)
+    shape = (scene.height, scene.width)
+    shift = rng.random(shape, np.float32) - np.float32(0.5) if whole else np.zeros(shape, np.float32)
+    later_us = round(rng.uniform(0.25, 0.75) * float(np.median(np.diff(scene.taken_us))))
+    light = [
+        (np.maximum(image + shift, 0), t_us - later_us) for image, t_us in bent(scene, rng, bend_error)
     ]
-    return np.concatenate([np.empty(0, EVENT), *found])
+    t_us = np.array([t for _, t in light])
+    taken_us = scene.taken_us[scene.taken_us <= t_us[-1]]
+    frames = np.empty((len(taken_us), *shape), np.float32)
+    for k, after in enumerate(np.clip(np.searchsorted(t_us, taken_us), 1, len(t_us) - 1)):
+        (before, begin), (image, end) = light[after - 1], light[after]
+        frames[k] = before + (image - before) * np.float32((taken_us[k] - begin) / (end - begin))
+    rounded = np.clip(np.rint(frames), 0, 255).astype(scene.taken.dtype) if whole else frames
+    return Retaken(light, scene_of(rounded, taken_us, scene.how))
 
 
-def light_behind(
+def bent(
     scene: Scene, rng: np.random.Generator, bend_error: float
 ) -> Iterator[tuple[NDArray[np.float32], int]]:
-    """Light that the frames may have been taken of: (H, W) float32 [DN] and its time [us].
-
-    Whole grey levels are roundings: each stands for any light within half a level, the same as long as it does
-    not change. Between frames the light is off by `bend_error` times `Scene.doubt`, normally.
-    """
-    shape = (scene.height, scene.width)
-    whole = np.issubdtype(scene.taken.dtype, np.integer)
-
-    def rounded_off(frame: int, former: NDArray[np.float32] | None) -> NDArray[np.float32]:
-        if not whole:
-            return np.zeros(shape, np.float32)
-        anew = rng.random(shape, np.float32) - np.float32(0.5)
-        return (
-            anew if former is None else np.where(scene.taken[frame] == scene.taken[frame - 1], former, anew)
-        )
-
-    pixel, frame = np.arange(shape[0] * shape[1], dtype=np.int32), 0
-    now = rounded_off(0, None)
-    later, gap = rounded_off(1, now), rng.standard_normal(shape, np.float32)
+    """The images and times of a scene, off between frames as its `doubt` has it."""
+    pixel, gap = np.arange(scene.width * scene.height, dtype=np.int32), -1
+    error = np.zeros((scene.height, scene.width), np.float32)
     for image, t_us in zip(scene.images, scene.t_us.tolist(), strict=True):
-        while frame < len(scene.taken_us) - 2 and t_us > scene.taken_us[frame + 1]:
-            frame += 1
-            now, later = later, rounded_off(frame + 1, later)
-            gap = rng.standard_normal(shape, np.float32)
-        span_us = scene.taken_us[frame + 1] - scene.taken_us[frame]
-        phase = np.float32(min(max((t_us - scene.taken_us[frame]) / span_us, 0.0), 1.0))
-        light = image + (1 - phase) * now + phase * later
-        if bend_error > 0:
-            light += bend_error * gap * scene.doubt(pixel, np.full(pixel.size, float(t_us))).reshape(shape)
-        yield np.maximum(light, 0).astype(np.float32), t_us
+        here = int(np.searchsorted(scene.taken_us, t_us))
+        if here != gap:
+            gap, error = here, np.float32(bend_error) * rng.standard_normal(error.shape, np.float32)
+        doubt = scene.doubt(pixel, np.full(pixel.size, float(t_us))).reshape(error.shape)
+        yield image + error * doubt.astype(np.float32), t_us
+
+
+def twin(retaken: Retaken, parameters: Parameters, seed: int) -> NDArray[np.void]:
+    """Events (EVENT) of the model that sees the light."""
+    simulator = Simulator(retaken.scene.width, retaken.scene.height, parameters, seed=seed)
+    found = [simulator.advance(image, t_us) for image, t_us in retaken.light]
+    events = np.concatenate([np.empty(0, EVENT), *found])
+    return events[events["t"] >= retaken.scene.t_us[0]]

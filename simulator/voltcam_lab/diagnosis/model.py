@@ -10,6 +10,7 @@ from voltcam_simulator import Parameters
 
 from ..battery import FLOORS
 from .catalogue import Candidate
+from .lights import LIGHTS
 from .rig import Rig, Values
 from .robust import fitted, gap
 
@@ -60,7 +61,9 @@ class Model:
 
     def with_effect(self, candidate: Candidate, size: tuple[float, ...]) -> "Model":
         """The same and one effect more."""
-        return replace(self, accepted=(*self.accepted, (candidate, size)), shift=(*self.shift, *[0.0] * len(size)))
+        return replace(
+            self, accepted=(*self.accepted, (candidate, size)), shift=(*self.shift, *[0.0] * len(size))
+        )
 
     def without(self, index: int) -> "Model":
         """The same without the accepted effect of this index."""
@@ -96,10 +99,10 @@ class Spread:
     v: Values
     twins: list[Values]
 
-    def z(self, values: Values, parts: Sequence[int], mean: Values | None = None) -> NDArray[np.float64]:
-        """Deviations of values from the mean in units of v, in some parts, flat."""
-        centre = self.mean if mean is None else mean
-        return np.concatenate([(values[p] - centre[p]) / self.v[p] for p in parts])
+    def against_others(self, n: int) -> Values:
+        """Deviation of a twin from those that saw other versions of the light, in units of v."""
+        others = [twin for k, twin in enumerate(self.twins) if (k - n) % len(LIGHTS)]
+        return np.asarray((self.twins[n] - np.mean(others, axis=0)) / self.v)
 
 
 def spread_of(rig: Rig, parameters: Parameters, seeds: Sequence[int]) -> Spread:
@@ -110,41 +113,39 @@ def spread_of(rig: Rig, parameters: Parameters, seeds: Sequence[int]) -> Spread:
     return Spread(mean, v, twins)
 
 
-def slopes(rig: Rig, model: Model, seeds: Sequence[int]) -> list[Values]:
-    """Derivative of what the battery sees with respect to each of the model's `shift`."""
+def slopes(rig: Rig, model: Model, seeds: Sequence[int], v: Values) -> NDArray[np.float64]:
+    """(PARTS, n, k): derivatives of what the battery sees with respect to the model's `shift`, in units of v."""
     sets = [model.parameters()]
     for i in range(len(model.shift)):
         sets.append(model.parameters([s + STEP * (i == k) for k, s in enumerate(model.shift)]))
     here, *there = rig.means(sets, seeds)
-    return [(one - here) / STEP for one in there]
+    return np.stack([(one - here) / STEP / v for one in there], axis=-1)
+
+
+def flat(values: NDArray[np.float64], parts: Sequence[int] = TRAINING) -> NDArray[np.float64]:
+    """(PARTS, n, ...) as (parts n, ...)."""
+    return values[list(parts)].reshape(-1, *values.shape[2:])
 
 
 def refitted(
-    rig: Rig, model: Model, data: Values, spread: Spread, seeds: Sequence[int], turns: int = 4,
-    parts: Sequence[int] = TRAINING,
-) -> tuple[Model, Values, float]:
-    """The model moved to where it is nearest to the data (Gauss-Newton with common noise), what the battery
-    sees of it on average, and its training gap."""
+    rig: Rig, model: Model, data: Values, v: Values, seeds: Sequence[int], turns: int = 3
+) -> tuple[Model, Values]:
+    """The model moved to where it is nearest to the data in the training parts, by Gauss and Newton's method with
+    common noise; and what the battery sees of it on average."""
     mean = rig.means([model.parameters()], seeds)[0]
-    best = gap(spread.z(data, parts, mean))
-    columns = None
-    for turn in range(turns):
-        if turn in (0, 2):
-            columns = np.stack(
-                [np.concatenate([one[p] / spread.v[p] for p in parts]) for one in slopes(rig, model, seeds)], axis=1
-            )
-        assert columns is not None
-        move = fitted(spread.z(data, parts, mean), columns, model.prior_sd).x
-        move = np.clip(move, -0.7, 0.7)
+    best = gap(flat((data - mean) / v))
+    columns = flat(slopes(rig, model, seeds, v))
+    for _ in range(turns):
+        move = np.clip(fitted(flat((data - mean) / v), columns, model.prior_sd).x, -0.8, 0.8)
         for length in (1.0, 0.4):
             moved = replace(model, shift=tuple(np.array(model.shift) + length * move))
-            new_mean = rig.means([moved.parameters()], seeds)[0]
-            new = gap(spread.z(data, parts, new_mean))
-            if new < best:
+            moved_mean = rig.means([moved.parameters()], seeds)[0]
+            left = gap(flat((data - moved_mean) / v))
+            if left < best:
                 break
         else:
+            return model, mean
+        gained, model, mean, best = best - left, moved, moved_mean, left
+        if gained < 0.005:
             break
-        gained, model, mean, best = best - new, moved, new_mean, new
-        if gained < 0.003:
-            break
-    return model, mean, best
+    return model, mean

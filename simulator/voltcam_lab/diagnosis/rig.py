@@ -11,11 +11,9 @@ from numpy.typing import NDArray
 from voltcam_simulator import EVENT, Parameters, Simulator
 
 from ..battery import COUNTS, Setting, observe
-from ..twins import light_behind
+from .lights import LIGHTS, light_behind
 
 Values = NDArray[np.float64]
-LIGHTS = 6  # draws of the light behind the frames that runs take turns with
-BEND_ERROR = 0.5  # of `Scene.doubt`
 
 
 class Rig:
@@ -26,20 +24,31 @@ class Rig:
         self._threads = threads or os.cpu_count() or 1
 
     @cached_property
+    def _known(self) -> NDArray[np.bool_]:
+        return self.setting.scene.trusted()
+
+    @cached_property
     def _lights(self) -> list[list[tuple[NDArray[np.float32], int]]]:
-        return [
-            list(light_behind(self.setting.scene, np.random.default_rng(n), BEND_ERROR)) for n in range(LIGHTS)
-        ]
+        return [list(light_behind(self.setting.scene, version)) for version in range(len(LIGHTS))]
 
     def run(self, parameters: Parameters, seed: int) -> Values:
         """(PARTS, n) what the battery sees of one run, comparable."""
-        return comparable(observe(self.setting, self.events(parameters, seed)).values)
+        return self.observe(self.events(parameters, seed))
+
+    def observe(self, events: NDArray[np.void]) -> Values:
+        """(PARTS, n) what the battery sees of events, where the light is known well enough (`Scene.trusted`)."""
+        scene = self.setting.scene
+        gap = np.clip(
+            np.searchsorted(scene.taken_us, events["t"], side="right") - 1, 0, len(scene.taken_us) - 2
+        )
+        known = self._known[gap, events["y"].astype(np.int64) * scene.width + events["x"]]
+        return comparable(observe(self.setting, events[known]).values)
 
     def events(self, parameters: Parameters, seed: int) -> NDArray[np.void]:
         """The events of one run."""
         scene = self.setting.scene
         simulator = Simulator(scene.width, scene.height, parameters, seed=seed)
-        found = [simulator.advance(image, t_us) for image, t_us in self._lights[seed % LIGHTS]]
+        found = [simulator.advance(image, t_us) for image, t_us in self._lights[seed % len(LIGHTS)]]
         return np.concatenate([np.empty(0, EVENT), *found])
 
     def runs(self, jobs: Iterable[tuple[Parameters, int]]) -> list[Values]:

@@ -1,0 +1,64 @@
+"""What the events tell of effects that have a clock of their own, before any model is asked."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..battery import Setting
+from .catalogue import Clues
+
+USUAL_ROW_US = 35.25  # DAVIS346
+USUAL_EXPOSURE_US = 500.0
+FLICKER_HZ = (40.0, 500.0)
+
+
+def clues(setting: Setting, events: NDArray[np.void], row_us: float | None = None) -> Clues:
+    """Of events (EVENT) seen in a setting. row_us: time between rows of the frame readout, where known."""
+    scene, t_us = setting.scene, events["t"].astype(np.int64)
+    seconds = float(scene.t_us[-1] - scene.t_us[0]) * 1e-6
+    per_ms = np.bincount((t_us - int(scene.t_us[0])) // 1000) if t_us.size else np.zeros(1)
+    start_us, exposure_us = exposure_of(setting, events)
+    return Clues(
+        seconds=seconds,
+        peak_rate_per_s=float(np.quantile(per_ms, 0.999)) * 1000,
+        flicker_hz=loudest_hz(t_us, seconds),
+        frame_period_us=setting.frame_period_us,
+        exposure_us=exposure_us,
+        row_us=USUAL_ROW_US if row_us is None else row_us,
+        rows=scene.height,
+        exposure_start_us=start_us,
+        quantum_us=quantum(t_us),
+    )
+
+
+def exposure_of(setting: Setting, events: NDArray[np.void]) -> tuple[float, float]:
+    """(start of some exposure [us], its length): as recorded, or where ON events crowd in the frame's phase."""
+    if setting.exposure_us is not None:
+        lengths = setting.exposure_us[:, 1] - setting.exposure_us[:, 0]
+        return float(setting.exposure_us[0, 0]), float(np.median(lengths))
+    period_us, bins = setting.frame_period_us, max(8, int(setting.frame_period_us / 100))
+    origin_us = float(setting.frame_t_us[0])
+    on, off = (events["t"][events["p"] == p] - origin_us for p in (True, False))
+    peaks = []
+    for t_us in (on, off):
+        phase = (t_us % period_us) / period_us
+        peaks.append(int(np.argmax(np.bincount((phase * bins).astype(np.int64), minlength=bins))) / bins)
+    length = (peaks[1] - peaks[0]) % 1.0 * period_us
+    return origin_us + peaks[0] * period_us, length if 50 < length < period_us / 2 else USUAL_EXPOSURE_US
+
+
+def loudest_hz(t_us: NDArray[np.int64], seconds: float) -> float:
+    """The frequency with the highest Rayleigh power of event times, in FLICKER_HZ."""
+    if t_us.size < 2:
+        return 100.0
+    step_us = 500
+    rate = np.bincount((t_us - t_us[0]) // step_us).astype(float)
+    slow = np.convolve(rate, np.ones(81) / 81, mode="same")
+    power = np.abs(np.fft.rfft((rate - slow) / np.sqrt(slow + 1), n=4 * rate.size)) ** 2
+    hz = np.fft.rfftfreq(4 * rate.size, step_us * 1e-6)
+    inside = (hz >= FLICKER_HZ[0]) & (hz <= FLICKER_HZ[1])
+    return float(hz[inside][np.argmax(power[inside])]) if inside.any() else 100.0
+
+
+def quantum(t_us: NDArray[np.int64]) -> int:
+    """The largest tick that all time stamps are multiples of [us]."""
+    return max(1, int(np.gcd.reduce(t_us))) if t_us.size else 1

@@ -1,0 +1,52 @@
+"""Light that the frames of a recording may have been taken of."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene import Scene
+
+LIGHTS = ((0.0, 0.3), (-0.6, 0.3), (0.3, 0.1), (-0.3, 0.6))
+"""Versions of the light between frames: (how much more it bends than `Scene.images`, -1 is straight; random error
+as a share of `Scene.doubt`). What frames leave open must not look like a gap."""
+
+Plane = NDArray[np.float32]
+
+
+def light_behind(scene: Scene, version: int) -> Iterator[tuple[Plane, int]]:
+    """(H, W) float32 [DN] and its time [us], for each of the scene's images.
+
+    Frames of whole grey levels are roundings: each stands for any light within half a level, the same for as
+    long as it does not change.
+    """
+    rng, (more, error) = np.random.default_rng(version), LIGHTS[version]
+    whole = np.issubdtype(scene.taken.dtype, np.integer)
+    shape, last = scene.taken.shape[1:], len(scene.taken_us) - 1
+    rounding, frame = _roundings(scene, rng, whole), -1
+    now = later = gap = np.zeros(shape, np.float32)
+    for image, t_us in zip(scene.images, scene.t_us.tolist(), strict=True):
+        while frame < 0 or (frame < last - 1 and t_us > scene.taken_us[frame + 1]):
+            now, later = (next(rounding), next(rounding)) if frame < 0 else (later, next(rounding))
+            gap, frame = rng.standard_normal(shape, np.float32), frame + 1
+        begin_us, end_us = scene.taken_us[frame], scene.taken_us[frame + 1]
+        phase = np.float32(np.clip((t_us - begin_us) / (end_us - begin_us), 0, 1))
+        straight = (1 - phase) * scene.taken[frame] + phase * scene.taken[frame + 1]
+        doubt = (
+            4
+            * phase
+            * (1 - phase)
+            * np.maximum(scene.surprise[frame], scene.surprise[frame + 1]).reshape(shape)
+        )
+        light = image + more * (image - straight) + error * gap * doubt + (1 - phase) * now + phase * later
+        yield np.maximum(light, 0).astype(np.float32), t_us
+
+
+def _roundings(scene: Scene, rng: np.random.Generator, whole: bool) -> Iterator[Plane]:
+    """What each frame lost by rounding (H, W) [DN], frame after frame."""
+    former = np.zeros(scene.taken.shape[1:], np.float32)
+    for k in range(len(scene.taken)):
+        if whole:
+            anew = rng.random(former.shape, np.float32) - np.float32(0.5)
+            former = anew if k == 0 else np.where(scene.taken[k] == scene.taken[k - 1], former, anew)
+        yield former

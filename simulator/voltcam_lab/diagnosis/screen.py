@@ -1,0 +1,73 @@
+"""Which effect's signature is in the gap: a score test over the catalogue, base parameters projected out."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import gumbel_r
+
+from .catalogue import Candidate
+from .model import Model, Spread, flat, slopes
+from .rig import Rig
+from .robust import Fitted, fitted
+
+AMOUNT_SD = 1.0  # of an effect's amount about 0, in units of the size tried
+
+
+@dataclass(frozen=True, eq=False)
+class Signature:
+    """What an effect at a size does to the battery: column (PARTS, n) in units of the twins' spread."""
+
+    candidate: Candidate
+    size: tuple[float, ...]
+    column: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Screen:
+    """Signatures of the catalogue on a model, and how the same model's twins score on them."""
+
+    model: Model
+    spread: Spread
+    base: NDArray[np.float64]  # (PARTS, n, k) of the model's own parameters
+    signatures: tuple[Signature, ...]
+    null: NDArray[np.float64]  # (twins,) each one's largest gain over the catalogue
+
+    def own(self, z: NDArray[np.float64]) -> Fitted:
+        """The part of training deviations z that the model's own parameters can take up."""
+        return fitted(z, flat(self.base), self.model.prior_sd)
+
+    def gains(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(signatures,) by how much each lessens the loss of z, beyond what the model's own parameters can."""
+        own = self.own(z).gain
+        return np.array([self._gain(z, one) - own for one in self.signatures])
+
+    def _gain(self, z: NDArray[np.float64], one: Signature) -> float:
+        columns = np.column_stack([flat(self.base), flat(one.column)])
+        found = fitted(z, columns, np.append(self.model.prior_sd, AMOUNT_SD))
+        return found.gain if found.x[-1] > 0 else -np.inf
+
+    def p_value(self, gain: float) -> float:
+        """How often twins, where nothing is missing, have as large a gain from anything in the catalogue."""
+        rank = (1 + np.count_nonzero(self.null >= gain)) / (1 + len(self.null))
+        if rank > 2 / (1 + len(self.null)):
+            return float(rank)
+        return float(min(rank, gumbel_r.sf(gain, *gumbel_r.fit(self.null))))
+
+
+def screen_of(
+    rig: Rig, model: Model, spread: Spread, candidates: Sequence[Candidate], seeds: Sequence[int]
+) -> Screen:
+    """Signatures by runs with common noise; the null by the twins of `spread`, each against those that saw
+    another version of the light."""
+    parameters = model.parameters()
+    plan = [(candidate, size) for candidate in candidates for size in candidate.sizes]
+    means = rig.means([parameters, *(candidate.on(parameters, size) for candidate, size in plan)], seeds)
+    signatures = tuple(
+        Signature(candidate, size, (there - means[0]) / spread.v)
+        for (candidate, size), there in zip(plan, means[1:], strict=True)
+    )
+    screen = Screen(model, spread, slopes(rig, model, seeds, spread.v), signatures, np.empty(0))
+    null = [screen.gains(flat(spread.against_others(n))).max() for n in range(len(spread.twins))]
+    return replace(screen, null=np.array(null))
