@@ -129,7 +129,9 @@ def test_gather_is_its_numpy_twin() -> None:
     near, held = np.empty(n + 1, np.int32), (rng.random(n) < 0.01).astype(np.float32)
     far &= held == 0
     expected = np.where(far, voltage + drift, voltage), np.where(far, variance, pending)
-    count = gather(voltage, pending, drift, noise, np.float32(1000), above, below, held, near)
+    count = gather(
+        np.zeros(1, np.bool_), voltage, pending, drift, noise, np.float32(1000), above, below, held, near
+    )
     assert 0 < count < n
     assert near[:count].tolist() == np.flatnonzero(~far).tolist()
     np.testing.assert_allclose(voltage, expected[0], rtol=1e-6)
