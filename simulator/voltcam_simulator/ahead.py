@@ -72,11 +72,13 @@ def wait_times(gauss: Any, u: Any, distance: Any, mu: Any, sigma: Any, times: An
 def draw_ahead(
     quiet: Any, ahead: Any, begun: Any, voltage: Any, pending: Any, due: Any, motion: Any, drift: Any,
     noise: Any, span: Any, above: Any, below: Any, key: Any, pixel0: Any, now: Any,
-) -> None:  # fmt: skip
+) -> Any:  # fmt: skip
     """Draw the next event in rows that are quiet for long and whose pixels have one barrier in reach each.
 
     drift and noise are those of the step that ends now, span long. The plane `pending` becomes `since`.
+    Returns how many rows these are.
     """
+    drawn = 0
     width, per_span = voltage.shape[0] // ahead.shape[0], 1.0 / span
     states, pixels = np.empty(width, np.uint64), np.arange(width, dtype=np.int32)
     gauss, other, u, distance = np.empty(width), np.empty(width), np.empty(width), np.empty(width)
@@ -102,6 +104,8 @@ def draw_ahead(
             motion[row * width + k, 0], motion[row * width + k, 1] = mu[k], sigma[k]
             p[k], d[k] = now, now + max(gauss[k], 1.0)  # a stamp is whole microseconds, too
         ahead[row], begun[row] = True, now
+        drawn += 1
+    return drawn
 
 
 @kernel
@@ -199,11 +203,12 @@ def draw_due(
 def catch_up(
     quiet: Any, ahead: Any, begun: Any, voltage: Any, since: Any, due: Any, motion: Any, above: Any,
     below: Any, key: Any, pixel0: Any, now: Any,
-) -> None:  # fmt: skip
+) -> Any:  # fmt: skip
     """Bring rows that are not quiet to the present: their voltages now, given when they would have fired.
 
-    They are not ahead any more, their `since` becomes `pending`, 0.
+    They are not ahead any more, their `since` becomes `pending`, 0. Returns how many rows these are.
     """
+    woken = 0
     width = voltage.shape[0] // ahead.shape[0]
     states, pixels = np.empty(width, np.uint64), np.arange(width, dtype=np.int32)
     n1, n2, n3, n4 = np.empty(width), np.empty(width), np.empty(width), np.empty(width)
@@ -225,6 +230,8 @@ def catch_up(
             voltage[i] = start if due[i] == np.inf else barrier - (rest if mu >= 0.0 else -rest)
             since[i] = 0.0
         ahead[row] = False
+        woken += 1
+    return woken
 
 
 @kernel

@@ -165,10 +165,10 @@ class PixelArray:
         self, rows: Rows, image: Image, key: np.uint64, start_us: int, offset_us: float, span_us: float
     ) -> None:
         """A step of one band."""
-        if self._still.allowed and rows.ahead.any():
+        if rows.rows_ahead:
             self._still.wake(rows)
             self._still.draw_due(rows, key, span_us, offset_us)
-            if rows.ahead.all():
+            if rows.rows_ahead == rows.ahead.size:
                 return
         band = self._seen(rows, image, start_us + int(offset_us), span_us)
         self._add_drift(band)

@@ -66,6 +66,7 @@ class Rows:
     begun: Plane
     due: Plane
     motion: Plane
+    rows_ahead: int = 0  # how many
 
 
 NO_KICKS, NO_SLACK = np.empty((0, 1)), np.empty(0, np.float32)

@@ -132,6 +132,8 @@ class Simulator:
 
     def _reported(self, events: Events, end_us: int) -> Events:
         """What leaves the camera by end_us."""
+        if not (self._waiting or any(effect.active for effect in self._reports)):
+            return events
         pixels = self._pixels
         readout = Readout(
             pixels.sensor, self._t_us, end_us, self._intervals, pixels.state, pixels.voltage, pixels.light

@@ -44,7 +44,7 @@ class StillRows:
         """Bring those rows of a band that are ahead, but change in this step, to its start."""
         if self._changed:
             key = interval_key(self._seed, BACK, self._steps)
-            catch_up(
+            rows.rows_ahead -= catch_up(
                 rows.quiet, rows.ahead, rows.begun, rows.voltage, rows.pending, rows.due, rows.motion,
                 rows.above, rows.below, key, rows.pixels.start, self._now_us,
             )  # fmt: skip
@@ -68,7 +68,7 @@ class StillRows:
         """At the end of a step, draw those rows of a band ahead that have been unchanged for long enough."""
         if self._most_quiet >= PATIENCE:
             key = interval_key(self._seed, AHEAD, self._steps)
-            draw_ahead(
+            rows.rows_ahead += draw_ahead(
                 rows.quiet, rows.ahead, rows.begun, rows.voltage, rows.pending, rows.due, rows.motion,
                 rows.band.drift, rows.band.noise, span_us, rows.above, rows.below, key, rows.pixels.start,
                 self._now_us + span_us,
