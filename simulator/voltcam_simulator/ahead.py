@@ -112,13 +112,17 @@ def draw_ahead(
 def one_barrier(
     voltage: Any, pending: Any, above: Any, below: Any, drift: Any, noise: Any, per_span: Any
 ) -> Any:
-    """True when every pixel drifts to one barrier and cannot reach the other one, now or after a reset."""
+    """True when every pixel drifts to one barrier and cannot reach the other one, now or after a reset.
+
+    With pending variance p the mean of exp(-2 mu g / sigma^2) is that of a gap less by mu p / sigma^2.
+    """
     short = 0
     for i in range(voltage.shape[0]):
         mu, s = abs(drift[i] * per_span), np.float64(noise[i])
         behind = below[i] if drift[i] >= 0.0 else above[i]
         gap = voltage[i] + below[i] if drift[i] >= 0.0 else above[i] - voltage[i]
-        gap = min(gap - REACH * math.sqrt(pending[i]), behind)
+        gap -= mu * pending[i] / (s * s) if s > 0.0 else REACH * math.sqrt(pending[i])
+        gap = min(gap, behind)
         short += (2.0 * mu * gap < -LOG_MISS * s * s) | (gap <= 0.0)
     return short == 0
 
