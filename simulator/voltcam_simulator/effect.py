@@ -143,6 +143,10 @@ class Effect(BaseModel):
     signature: ClassVar[str]
     """How it shows in the events: the line a person looks for in a recording."""
 
+    steady: ClassVar[bool] = False
+    """True for one that adds the same in each microsecond while the frames stand still, whatever was before,
+    and leaves voltages alone: when all that are on are steady, rows that stand still are drawn ahead."""
+
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
         super().__pydantic_init_subclass__(**kwargs)

@@ -25,15 +25,34 @@ def take_over(light: Any, response: Any, drift: Any, last_light: Any, last_respo
 
 @kernel
 def gather(
-    voltage: Any, pending: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any, held: Any,
-    near: Any,
+    ahead: Any, voltage: Any, pending: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any,
+    held: Any, near: Any,
 ) -> Any:  # fmt: skip
-    """Let drift and noise gather where no barrier is within reach.
+    """Let drift and noise gather where no barrier is within reach, but not in rows that are drawn ahead.
 
-    All arrays (pixels,) float32; held: dead time left [us]. near (pixels + 1,) int32 receives the indices of
-    the other pixels, which stay as they were. Returns their number. Two loops, because the first is then
-    vectorised.
+    ahead (rows,) bool; the others (pixels,) float32; held: dead time left [us]. near (pixels + 1,) int32
+    receives the indices of the other pixels, which stay as they were. Returns their number.
     """
+    width, row, count = voltage.shape[0] // ahead.shape[0], 0, 0
+    while row < ahead.shape[0]:
+        first = row
+        while row < ahead.shape[0] and not ahead[row]:
+            row += 1
+        run = slice(first * width, row * width)
+        count += _gather(
+            voltage[run], pending[run], drift[run], noise[run], span, above[run], below[run], held[run],
+            near[count:], run.start,
+        )  # fmt: skip
+        row += 1
+    return count
+
+
+@kernel
+def _gather(
+    voltage: Any, pending: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any, held: Any,
+    near: Any, first: Any,
+) -> Any:  # fmt: skip
+    """Two loops, because the first is then vectorised."""
     reach2 = np.float32(REACH * REACH)
     far = np.empty(voltage.shape[0], np.bool_)
     for i in range(voltage.shape[0]):
@@ -46,6 +65,6 @@ def gather(
         pending[i] = variance if far[i] else pending[i]
     count = 0
     for i in range(voltage.shape[0]):
-        near[count] = i
+        near[count] = first + i
         count += not far[i]
     return count

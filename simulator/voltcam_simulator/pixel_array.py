@@ -15,6 +15,7 @@ from .parameters import Parameters
 from .random import CROSSINGS, START, interval_key
 from .rows import Image, Keys, Room, Rows, kick_arrays
 from .stationary import start_voltage
+from .still import StillRows
 
 Law = Literal["exact", "paper"]
 
@@ -36,10 +37,13 @@ class PixelArray:
         self._band_rows = math.ceil(height / min(shares, height))
         self._rooms = [Room(self._band_rows * width) for _ in range(threads)]
         self._pool = ThreadPoolExecutor(max(1, threads - 1))  # this thread does its share, too
+        self._still = StillRows(width, height, seed, since=self._pending)
+        self._bands: list[Rows] = []
         self._steps, self._elapsed_us = 0, 0.0
 
     def configure(self, parameters: Parameters) -> None:
         """Take on parameters: lay down the fixed pattern, keep the state of the effects that stay on."""
+        self._still.wake_all(self._bands)
         theta_on, theta_off = np.ones((2, self.height, self.width), np.float32)
         dark_level_dn = parameters.contrast_response.k2_dn
         self.sensor = sensor = Sensor(
@@ -48,6 +52,8 @@ class PixelArray:
         self.effects = [self._by_law(effect) for effect in parameters.effects() if effect.active]
         for effect in self.effects:
             effect.prepare(sensor)
+        sensor.theta_on, self._above = self._shared(sensor.theta_on)
+        sensor.theta_off, self._below = self._shared(sensor.theta_off)
         keepers = [effect for effect in self.effects if overrides(effect, "state")]
         self.state = {e.name: self.state.get(e.name) or e.state(sensor) for e in keepers}
         self._see, self._respond, self._drift = (
@@ -55,10 +61,17 @@ class PixelArray:
             for stage in ("see", "respond", "drift")
         )
         self.longest_step_us = min(effect.longest_step_us for effect in self.effects)
+        self._still.allowed = self.law == "exact" and all(effect.steady for effect in self.effects)
         if sensor.refractory_us > 0 and self._held.size == 0:
             self._held = np.zeros_like(self.voltage)
         starts = range(0, self.height, self._band_rows)
         self._bands = [self._rows(row, self._rooms[i % len(self._rooms)]) for i, row in enumerate(starts)]
+
+    def _shared(self, theta: Plane) -> tuple[Plane, Plane]:
+        """Thresholds (height, width), and flat; if all are the same, as one number, and flat for one band."""
+        if (theta == theta[0, 0]).all():
+            return np.broadcast_to(theta[0, 0], theta.shape), theta[: self._band_rows].flatten()
+        return theta, theta.ravel()
 
     def _by_law(self, effect: Effect) -> Effect:
         """The paper's law is defined with the linearised response."""
@@ -69,6 +82,7 @@ class PixelArray:
     def _rows(self, first_row: int, room: Room) -> Rows:
         """The band that starts at a row, in a thread's room."""
         end_row = min(first_row + self._band_rows, self.height)
+        lines = slice(first_row, end_row)
         pixels = slice(first_row * self.width, end_row * self.width)
         size = pixels.stop - pixels.start
         sensor = self.sensor
@@ -82,14 +96,22 @@ class PixelArray:
                 for name, state in self.state.items()
             },
         )  # fmt: skip
+        above, below = (
+            plane[pixels] if plane.size == self.voltage.size else plane[:size]
+            for plane in (self._above, self._below)
+        )
+        still = self._still
         held = self._held[pixels] if self._held.size else room.zeros[:size]
         return Rows(
             room, band, pixels, self.voltage[pixels], self._pending[pixels], self.light[pixels],
-            self._response[pixels], held, sensor.theta_on.ravel()[pixels], sensor.theta_off.ravel()[pixels],
+            self._response[pixels], held, above, below,
+            still.quiet[lines], still.ahead[lines], still.begun[lines], still.due[pixels],
+            still.motion[pixels],
         )  # fmt: skip
 
     def settle(self, image: Image, t_us: int) -> None:
         """Show an image as if it had been there for long: light and response of that instant, no events."""
+        self._still.wake_all(self._bands)
         for rows in self._bands:
             band = self._seen(rows, image, t_us, 0.0)
             rows.light[:], rows.response[:] = band.light, band.response
@@ -114,6 +136,11 @@ class PixelArray:
             if overrides(effect, "report") and overrides(effect, "state"):
                 self.state[effect.name] = effect.state(self.sensor)
 
+    def look(self, before: Image, after: Image, span_us: float) -> None:
+        """Two frames (height, width) whose difference the next steps make, in span_us."""
+        if self._still.allowed:
+            self._still.look(before, after, span_us)
+
     def step(self, image: Image, start_us: int, offset_us: float, span_us: float) -> None:
         """From the last instant to the next, at which the sensor sees `image` (pixels,) DN.
 
@@ -124,17 +151,31 @@ class PixelArray:
         def share(room: Room) -> None:
             for rows in self._bands:
                 if rows.room is room:
-                    band = self._seen(rows, image, start_us + int(offset_us), span_us)
-                    self._add_drift(band)
-                    take_over(band.light, band.response, band.drift, rows.light, rows.response)
-                    self._draw_events(rows, key, offset_us)
+                    self._step(rows, image, key, start_us, offset_us, span_us)
 
         others = [self._pool.submit(share, room) for room in self._rooms[1:]]
         share(self._rooms[0])
         for other in others:
             other.result()
+        self._still.pass_by(span_us)
         self._steps += 1
         self._elapsed_us += span_us
+
+    def _step(
+        self, rows: Rows, image: Image, key: np.uint64, start_us: int, offset_us: float, span_us: float
+    ) -> None:
+        """A step of one band."""
+        if rows.rows_ahead:
+            self._still.wake(rows)
+            self._still.draw_due(rows, key, span_us, offset_us)
+            if rows.rows_ahead == rows.ahead.size:
+                return
+        band = self._seen(rows, image, start_us + int(offset_us), span_us)
+        self._add_drift(band)
+        take_over(band.light, band.response, band.drift, rows.light, rows.response)
+        self._draw_events(rows, key, offset_us)
+        if self._still.allowed:
+            self._still.draw_ahead(rows, span_us)
 
     def take_keys(self) -> Keys:
         """The event keys of the steps since the last call."""
@@ -145,9 +186,10 @@ class PixelArray:
     def state_bytes(self) -> int:
         """Memory of all planes, without the events of an interval."""
         own = [self.voltage, self._pending, self.light, self._response, self._held]
-        own += [self.sensor.theta_on, self.sensor.theta_off]
+        own += [self._above, self._below]
         own += [array for state in self.state.values() for array in state.values()]
-        return sum(array.nbytes for array in own) + sum(room.nbytes for room in self._rooms)
+        rooms = sum(room.nbytes for room in self._rooms)
+        return sum(array.nbytes for array in own) + self._still.nbytes + rooms
 
     @property
     def event_bytes(self) -> int:
@@ -196,7 +238,16 @@ class PixelArray:
         pending, held, near = rows.pending, rows.held, room.near
         careful = self._held.size > 0 or len(times) > 0
         count = gather(
-            voltage, pending, drift, noise, np.float32(span_us), reach_above, reach_below, held, near
+            rows.ahead,
+            voltage,
+            pending,
+            drift,
+            noise,
+            np.float32(span_us),
+            reach_above,
+            reach_below,
+            held,
+            near,
         )
         room.draw(count, lambda done, keys: cross(
             voltage, pending, drift, noise, span_us, above, below, held, slack, careful, near, done, count,

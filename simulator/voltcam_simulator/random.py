@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .kernel import kernel
 
-START, CROSSINGS = np.uint64(1), np.uint64(2)  # streams: what the numbers are for
+START, CROSSINGS, AHEAD, BACK = (np.uint64(i) for i in (1, 2, 3, 4))  # streams: what the numbers are for
 
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _MIX_1, _MIX_2 = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)

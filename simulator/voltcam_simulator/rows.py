@@ -61,6 +61,12 @@ class Rows:
     held: Plane
     above: Plane
     below: Plane
+    quiet: NDArray[np.int32]  # (rows,): steps without change
+    ahead: NDArray[np.bool_]  # (rows,): which are drawn ahead, see `ahead.py`, and since when
+    begun: Plane
+    due: Plane
+    motion: Plane
+    rows_ahead: int = 0  # how many
 
 
 NO_KICKS, NO_SLACK = np.empty((0, 1)), np.empty(0, np.float32)

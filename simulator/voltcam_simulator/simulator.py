@@ -89,6 +89,7 @@ class Simulator:
             raise ValueError(f"the frame at {t_us} us does not come after the last one at {self._t_us} us")
         if span_us > LONGEST_INTERVAL_US:
             raise ValueError(f"{span_us / 3.6e9:.0f} hours between two frames: at most 38 are possible")
+        self._pixels.look(self._frame, image, float(span_us))
         self._steps(self._frame.ravel(), image.ravel(), span_us)
         events = self._reported(self._sorted(), t_us)
         self._frame, self._t_us = image, t_us
@@ -131,6 +132,8 @@ class Simulator:
 
     def _reported(self, events: Events, end_us: int) -> Events:
         """What leaves the camera by end_us."""
+        if not (self._waiting or any(effect.active for effect in self._reports)):
+            return events
         pixels = self._pixels
         readout = Readout(
             pixels.sensor, self._t_us, end_us, self._intervals, pixels.state, pixels.voltage, pixels.light
@@ -158,10 +161,10 @@ class Simulator:
                 f"the frame is {image.shape}, the sensor (height, width) = {(self.height, self.width)}"
             )
         if image.dtype == np.uint8:
-            return image.copy()
+            return image.copy(order="C")
         if image.dtype.kind not in "buif":
             raise ValueError(f"the frame is of type {image.dtype}: give real numbers")
-        plane = image.astype(np.float32)
+        plane = image.astype(np.float32, order="C")
         if not (np.isfinite(plane).all() and plane.min() >= 0):
             raise ValueError("the frame has values that are negative or not finite: grey levels start at 0")
         return plane

@@ -11,6 +11,7 @@ class Comparator(Effect):
     """ON at +theta_on, OFF at -theta_off, in units of the nominal threshold."""
 
     signature: ClassVar[str] = "events for each change of contrast; unequal thresholds shift the ON/OFF ratio"
+    steady: ClassVar[bool] = True
 
     theta_on: float = quantity(
         1.0, unit="nominal thresholds", ge=0.001, le=100, meaning="threshold of ON events", source=_SOURCE

@@ -11,6 +11,7 @@ class DeadPixels(Effect):
     """A fixed share of the pixels has thresholds out of reach."""
 
     signature: ClassVar[str] = "pixels without any event where their neighbours have many"
+    steady: ClassVar[bool] = True
 
     fraction: float = quantity(
         0.0, unit="1", ge=0, le=1, meaning="share of the pixels", source="0 to 0.001 (assumed)"

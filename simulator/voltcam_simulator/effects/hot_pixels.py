@@ -14,6 +14,7 @@ class HotPixels(Effect):
     """
 
     signature: ClassVar[str] = "the same few pixels top the list of rates, in the dark and without motion too"
+    steady: ClassVar[bool] = True
 
     fraction: float = quantity(
         0.0, unit="1", ge=0, le=1, meaning="share of the pixels that are hot; 0 is off",

@@ -16,6 +16,7 @@ class InputResponse(Effect):
     """Light 255 ((F - black)/(255 - black))^gamma of a grey level F; below black it is 0."""
 
     signature: ClassVar[str] = "the same video makes more events where it is dark: contrast grows by gamma"
+    steady: ClassVar[bool] = True
 
     gamma_exponent: float = quantity(
         1.0, unit="1", ge=0.2, le=5, meaning="exponent from grey levels to light; 1: they are light already",

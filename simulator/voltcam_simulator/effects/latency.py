@@ -14,6 +14,7 @@ class Latency(Effect):
     """t + max(0, delay + jitter N(0, 1)), the pixel's own events in their order."""
 
     signature: ClassVar[str] = "the lag behind the light shifts and spreads, the same at any brightness"
+    steady: ClassVar[bool] = True
 
     delay_us: float = quantity(
         0.0, unit="us", ge=0, le=1_000_000, meaning="mean delay",

@@ -11,6 +11,7 @@ class LeakMismatch(Effect):
     """Junction leak times exp(sigma xi - sigma^2/2), xi normal and fixed: log-normal, of mean 1."""
 
     signature: ClassVar[str] = "the same pixels always give more ON events at rest than others"
+    steady: ClassVar[bool] = True
 
     sigma: float = quantity(
         0.0, unit="1", ge=0, le=3, meaning="spread of the logarithm of the leak",

@@ -20,6 +20,7 @@ class LowLightShotNoise(Effect):
     """
 
     signature: ClassVar[str] = "ON and OFF events of single pixels in the dark, at rest"
+    steady: ClassVar[bool] = True
 
     c: float = quantity(
         0.0, unit="DN/sqrt(us)", ge=0, le=10, meaning="noise in thresholds, times brightness",

@@ -19,6 +19,7 @@ class NoisePairs(Effect):
     """
 
     signature: ClassVar[str] = "short ON-OFF and OFF-ON intervals of one pixel at rest, most in the dark"
+    steady: ClassVar[bool] = True
 
     rate_hz: float = quantity(
         0.0, unit="Hz", ge=0, le=10_000, meaning="pairs a second and pixel in the dark; 0 is off",

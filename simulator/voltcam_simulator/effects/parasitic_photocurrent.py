@@ -12,6 +12,7 @@ class ParasiticPhotocurrent(Effect):
     """Drift k5 L."""
 
     signature: ClassVar[str] = "ON events at rest, at a rate in proportion to brightness"
+    steady: ClassVar[bool] = True
 
     k5_per_dn_us: float = quantity(
         5e-9, unit="1/(DN us)", ge=0, le=1, meaning="leak for each grey level of brightness",

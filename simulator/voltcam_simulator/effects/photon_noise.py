@@ -13,6 +13,7 @@ class PhotonNoise(Effect):
     """Noise k3 sqrt(L)/(L + k2), Poisson photons seen through the logarithm; k2: `contrast_response`."""
 
     signature: ClassVar[str] = "jitter of event times, and ON and OFF noise events, most at L = k2"
+    steady: ClassVar[bool] = True
 
     k3: float = quantity(
         1e-4, unit="sqrt(DN)/sqrt(us)", ge=0, le=1, meaning="photon noise",

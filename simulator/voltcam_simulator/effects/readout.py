@@ -24,6 +24,7 @@ class Readout(Effect):
     signature: ClassVar[str] = (
         "a floor of global intervals, a cap on bursts, one time stamp for many of a row"
     )
+    steady: ClassVar[bool] = True
 
     row_us: float = quantity(
         0.0, unit="us", ge=0, le=1000, meaning="bus time for each granted row", source=_FIT

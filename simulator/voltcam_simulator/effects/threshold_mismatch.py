@@ -16,6 +16,7 @@ class ThresholdMismatch(Effect):
     signature: ClassVar[str] = (
         "the same pixels always give more events than others, ON or OFF, for the same motion"
     )
+    steady: ClassVar[bool] = True
 
     sigma: float = quantity(
         0.0, unit="1", ge=0, le=0.5, meaning="spread of the thresholds relative to their mean",

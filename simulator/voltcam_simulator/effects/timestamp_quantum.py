@@ -13,6 +13,7 @@ class TimestampQuantum(Effect):
     """
 
     signature: ClassVar[str] = "time stamps are multiples of the quantum"
+    steady: ClassVar[bool] = True
 
     quantum_us: int = quantity(
         1, unit="us", ge=1, le=1_000_000, meaning="time between two ticks; 1 is off",

@@ -16,6 +16,7 @@ class UsbOverflow(Effect):
     """
 
     signature: ClassVar[str] = "holes of the whole array, after more events than the cable can take"
+    steady: ClassVar[bool] = True
 
     max_rate_events_per_s: float = quantity(
         0.0, unit="1/s", ge=0, le=1e10, meaning="what the cable can take; 0 is off",

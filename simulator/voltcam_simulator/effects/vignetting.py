@@ -14,6 +14,7 @@ class Vignetting(Effect):
     signature: ClassVar[str] = (
         "leak, noise and lag of bright scenes in the centre, of darker ones in the corners"
     )
+    steady: ClassVar[bool] = True
 
     corner_loss: float = quantity(
         0.0, unit="1", ge=0, le=0.99, meaning="share of the light that a corner of the image lacks",
