@@ -2,7 +2,12 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: run test check format clean
+# Of hidden-effects: 1000 and up is reported; a pattern of case names; processes at a time.
+SEED ?= 1000
+CASES ?= *
+JOBS ?= 2
+
+.PHONY: run test check format hidden-effects clean calibration-table
 
 run: .venv/installed-server
 	$(BIN)/voltcam serve
@@ -17,9 +22,16 @@ check: .venv/installed-dev
 	$(BIN)/pyright
 	$(BIN)/lint-imports
 
+calibration-table: .venv/installed-dev
+	$(BIN)/python -m tests.lab.calibration_table
+
 format: .venv/installed-dev
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
+
+hidden-effects: .venv/installed-dev
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 nice -n 10 \
+		$(BIN)/python -m tests.hidden_effects --seed $(SEED) --cases '$(CASES)' --jobs $(JOBS)
 
 clean:
 	rm -rf .venv dist

@@ -29,6 +29,8 @@ from voltcam_client.record import Progress, record, size_bytes
 SUMMARIES = {
     "serve": "run the camera: live video in, events out",
     "convert": "turn a video, images or a recording into an event file",
+    "calibrate": "find a camera's parameters from a recording of it",
+    "diagnose": "find, name and add what a camera file lacks to explain a recording",
     "bench": "measure the speed on this machine, beside its own limits",
     "schema": "print the JSON schema of the configuration file, for editors",
 }

@@ -34,18 +34,24 @@ def scores(parts: Callable[[Vector], Vector], x: Vector) -> NDArray[np.float64]:
 
 
 def ascend(
-    parts: Callable[[Vector], Vector], x: Vector, prior: Prior, steps: int = 25, tolerance: float = 1e-2
+    parts: Callable[[Vector], Vector],
+    x: Vector,
+    prior: Prior,
+    steps: int = 25,
+    tolerance: float = 1e-2,
+    counts: Vector | float = 1.0,
 ) -> Vector:
     """The x (k,) at which the sum of `parts` and the log prior is largest.
 
     Scoring (Berndt, Hall, Hall, Hausman 1974): the information is the sum of the parts' score products, damped
-    as Levenberg and Marquardt do. Ends when a step promises less than `tolerance` of log likelihood.
+    as Levenberg and Marquardt do. Ends when a step gains less than `tolerance` of log likelihood. counts: of how
+    many alike each part is the sum.
     """
     damping, best = 1e-3, float(parts(x).sum()) + prior.of(x)
     for _ in range(steps):
         score = scores(parts, x)
         gradient = score.sum(axis=1) + prior.pull(x)
-        information = score @ score.T + np.diag(prior.sd**-2.0)
+        information = (score / counts) @ score.T + np.diag(prior.sd**-2.0)
         while damping < 1e6:
             step = np.linalg.solve(information + damping * np.diag(np.diag(information)), gradient)
             step /= max(1.0, float(np.abs(step).max()) / LONGEST)

@@ -1,7 +1,7 @@
 """A recording in, the parameters of its camera out, each with an interval and with what it rests on."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,17 +9,19 @@ from scipy.stats import t as student
 
 from voltcam_simulator import Parameters
 
-from .estimates import NORMAL_90, PLACES, Estimate, correlations, estimates_of, parameters_of
+from .estimates import NORMAL_90, Estimate, correlations, estimates_of, parameters_of
 from .fit import PRIOR_SD, Fit, fit, maximise, named
 from .likelihood import NAMES
 from .reading import Reading, scene_between
 from .timing import find_dead_time, find_delay
-from .twins import TURNS, TWINS, unbiased
+from .twins import TWINS, unbiased
 
 __all__ = ["Calibration", "CalibrationError", "Estimate", "Reading", "calibrate", "scene_between"]
 
 SAMPLE = 12_000  # intervals that are fitted: more cost time and add nothing to errors of the light
 FEW = 3_000  # the same, where only the best of several readings is looked for
+SYSTEMATIC = 0.003  # sd: light that frames tell this much too high or low, by interpolation and rounding
+OF_LIGHT = ("k1", "k2_dn", "k4_per_us", "k5_per_dn_us")
 FEWEST = 200  # intervals with an event
 Report = Callable[[str], None]
 
@@ -31,7 +33,8 @@ class CalibrationError(ValueError):
 @dataclass(frozen=True, eq=False)
 class Calibration:
     """Parameters of the camera, and all that a report says of them. delay_us: how late events are, before 0
-    where they come before the frames' times. reading: what was fitted, a sample of the pixels."""
+    where they come before the frames' times. reading: what was fitted, a sample of the pixels; events: how
+    many of theirs end an interval."""
 
     parameters: Parameters
     estimates: tuple[Estimate, ...]
@@ -40,6 +43,7 @@ class Calibration:
     dead_us: float
     fit: Fit
     reading: Reading
+    events: int
 
 
 def calibrate(reading: Reading, seed: int = 0, report: Report = lambda step: None) -> Calibration:
@@ -64,9 +68,9 @@ def calibrate(reading: Reading, seed: int = 0, report: Report = lambda step: Non
     report("dead time")
     dead_us = find_dead_time(few, start, delay_us)
     report("fit")
-    waited = sample.waits()
-    found = fit(sample.intervals(dead_us, delay_us), dead_us, reading.scene.width, start, waited)
-    log, twin_sd = unbiased(sample, found.log, dead_us, delay_us, seed, report)
+    seen = sample.intervals(dead_us, delay_us)
+    found = fit(seen, dead_us, reading.scene.width, start, sample.waits())
+    log, twin_sd = unbiased(sample, found, dead_us, delay_us, seed, report)
     return Calibration(
         parameters=parameters_of(named(log), dead_us, delay_us),
         estimates=estimates_of(log, _spread(twin_sd, found)),
@@ -75,15 +79,17 @@ def calibrate(reading: Reading, seed: int = 0, report: Report = lambda step: Non
         dead_us=dead_us,
         fit=found,
         reading=sample,
+        events=int(np.count_nonzero(seen["end"])),
     )
 
 
 def _spread(twin_sd: NDArray[np.float64], found: Fit) -> NDArray[np.float64]:
     """(k,) standard deviations of the log parameters, such that NORMAL_90 of them make the interval.
 
-    The larger of what twins have, few as they are, and what the recording's own tiles have.
+    The larger of what twins have, few as they are, and what the recording's own likelihood and tiles have;
+    and what neither shows of the light: SYSTEMATIC.
     """
-    quantile = float(student.ppf(0.95, TURNS * (TWINS - 1))) / NORMAL_90
+    quantile = float(student.ppf(0.95, TWINS[-1] - 1)) / NORMAL_90
     prior_sd = np.array([PRIOR_SD[name] for name in NAMES])
-    own = np.sqrt(np.diag(found.covariance))
-    return np.asarray(np.minimum(np.maximum(twin_sd * quantile, own), prior_sd))
+    floor = np.array([SYSTEMATIC if name in OF_LIGHT else 0.0 for name in NAMES])
+    return np.asarray(np.minimum(np.hypot(np.maximum(twin_sd * quantile, found.sd), floor), prior_sd))

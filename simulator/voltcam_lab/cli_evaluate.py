@@ -2,14 +2,20 @@
 
 import argparse
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 from tqdm import tqdm
 
+from voltcam_client.formats import Recording
+from voltcam_simulator.effect import Events
+
 from .contenders import contenders
-from .distances import held_out
-from .evaluate import evaluate, yardstick_of
+from .distances import Region
+from .evaluate import Evaluation, judged, yardstick_of
 from .evaluation_page import write_evaluation
+from .folds import folds, pooled, pooled_region
+from .models import simulate
 from .recordings import load
 
 
@@ -32,26 +38,55 @@ examples:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Evaluate, with a bar on standard error; the verdicts go to standard output."""
+    """Evaluate, with a bar on standard error; the verdicts go to standard output. What cannot be evaluated is a
+    note on the page, and a line on standard error."""
     evaluations, notes = [], []
     with tqdm(bar_format="{desc} [{elapsed}]", disable=None, leave=False) as bar:
         bar.set_description_str("reading")
         recordings = {path: load(path) for path in arguments.recordings}
         # Whether all of them can be judged is known before the long work on the first.
-        parts = [
-            held_out(yardstick_of(recording, str(path)).region) for path, recording in recordings.items()
-        ]
-        for (path, recording), (fitting, judging) in zip(recordings.items(), parts, strict=True):
-            name = path.stem
+        wholes = {path: yardstick_of(each, str(path)).region for path, each in recordings.items()}
+        for path, recording in recordings.items():
+            name = path.absolute().stem
 
             def progress(step: str, name: str = name) -> None:
                 bar.set_description_str(f"{name}: {step}")
 
-            scene, makers, missing = contenders(recording, fitting, progress)
-            notes += [f"{name}: {reason}" for reason in missing]
-            done = evaluate(recording, makers, name=name, region=judging, scene=scene, progress=progress)
-            evaluations.append(done)
-            tqdm.write("\n".join([f"{name}:", *(f"  {line.replace('**', '')}" for line in done.verdict())]))
+            try:
+                done, told = _evaluated(recording, wholes[path], name, progress)
+            except ValueError as error:
+                told = [" ".join(str(error).split())]
+                tqdm.write(f"{name}: {told[0]}", file=sys.stderr)
+            else:
+                evaluations.append(done)
+                verdict = [f"  {line.replace('**', '')}" for line in done.verdict()]
+                tqdm.write("\n".join([f"{name}:", *verdict]))
+            notes += [f"{name}: {each}" for each in told]
         page = write_evaluation(evaluations, arguments.out, notes, bar.set_description_str)
     sys.stdout.write(f"{page} written\n")
     return 0
+
+
+def _evaluated(
+    recording: Recording, whole: Region, name: str, progress: Callable[[str], None]
+) -> tuple[Evaluation, list[str]]:
+    """The evaluation, and notes on how it came about."""
+    ways = folds(whole, recording.events)
+    parts: list[dict[str, Events]] = []
+    notes: list[str] = []
+    for number, (fitting, _) in enumerate(ways, 1):
+        way = f" ({number} of {len(ways)})" if len(ways) > 1 else ""
+
+        def step(text: str, way: str = way) -> None:
+            progress(text + way)
+
+        scene, makers, told = contenders(recording, fitting, step)
+        notes += [each + way for each in told]
+        part = {}
+        for model, make in makers.items():
+            step(model)
+            part[model] = simulate(make(), scene)
+        parts.append(part)
+    models = [model for model in parts[0] if all(model in part for part in parts)]
+    simulated = {model: pooled([part[model] for part in parts], ways) for model in models}
+    return judged(recording, simulated, pooled_region(whole, ways), name, progress), notes

@@ -124,17 +124,32 @@ def evaluate(
     none is given. Raises ValueError as `yardstick_of` does.
     """
     whole = yardstick_of(recording, name)
-    yardstick = Yardstick(whole.real, region or held_out(whole.region)[1], whole.light)
     progress("frames between frames")
     scene = scene or scene_of(whole.light.images, whole.light.t_us, upsampling)
-    rows, simulated = {}, {}
+    simulated = {}
     for model, make in models.items():
         progress(model)
         simulated[model] = simulate(make(), scene)
-        rows[model] = yardstick.distances(simulated[model])
+    return judged(recording, simulated, region or held_out(whole.region)[1], name, progress)
+
+
+def judged(
+    recording: Recording,
+    simulated: Mapping[str, Events],
+    region: Region,
+    name: str = "the recording",
+    progress: Progress = lambda _: None,
+) -> Evaluation:
+    """Measure what models gave out, {model: events}, in a region. Raises ValueError as `yardstick_of` does."""
+    whole = yardstick_of(recording, name)
+    yardstick = Yardstick(whole.real, region, whole.light)
+    rows = {}
+    for model, events in simulated.items():
+        progress(f"distances of {model}")
+        rows[model] = yardstick.distances(events)
     progress("real against real")
     floors = {
         "real, other pixels": yardstick.floor_by_pixels(),
         "real, other times": yardstick.floor_by_time(),
     }
-    return Evaluation(name, recording, yardstick, rows, floors, simulated)
+    return Evaluation(name, recording, yardstick, rows, floors, dict(simulated))

@@ -18,18 +18,18 @@ TILE = 8  # pixels a side: neighbours see the same edges, so they do not count a
 _START = np.log(np.array(list(START.values())))
 _WIDE = np.log(np.array(list((START | {"reset_spread": 0.3}).values())))
 _HIGHEST = np.log([LARGEST.get(name, 1e9) for name in NAMES])
-_PRIOR = Prior(_START, np.array(list(PRIOR_SD.values())))
+PRIOR = Prior(_START, np.array(list(PRIOR_SD.values())))
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """log: (k,) logarithms of the parameters in the order of NAMES; covariance: (k, k) of these, by the sandwich
-    over tiles of pixels; informed: (k,) 1 - (posterior sd / prior sd), 1 where the data fix it all, 0 where only
-    the prior does. own: share of the events that are the model's; stray_hz: (ON, OFF) of the others, a pixel."""
+    """log: (k,) logarithms of the parameters in the order of NAMES; covariance: (k, k) of these, by the
+    sandwich over tiles of pixels; sd: (k,) the larger of its own and that by the likelihood's curvature. own:
+    share of the events that are the model's; stray_hz: (ON, OFF) of the others, a pixel."""
 
     log: Vector
     covariance: NDArray[np.float64]
-    informed: Vector
+    sd: Vector
     own: float
     stray_hz: tuple[float, float]
     log_likelihood: float
@@ -64,7 +64,7 @@ def maximise(
         likelihood.reweigh(named(x))
     for _ in range(em_steps):
         former = x
-        x = ascend(lambda x: likelihood.parts(named(x)), x, _PRIOR, steps)
+        x = ascend(lambda x: likelihood.parts(named(x)), x, PRIOR, steps, counts=likelihood.counts)
         likelihood.reweigh(named(x))
         if np.abs(x - former).max() < 0.003:
             break
@@ -80,18 +80,18 @@ def fit(
     def parts(x: Vector) -> Vector:
         return likelihood.parts(named(x))
 
-    score = scores(parts, x)
+    score = scores(parts, x) / np.sqrt(likelihood.counts)
     pixel = likelihood.part_pixel.astype(np.int64)
     tile = (pixel // width // TILE) * (width // TILE + 1) + pixel % width // TILE
     _, member = np.unique(tile, return_inverse=True)
     by_tile = np.stack([np.bincount(member, row) for row in score])
-    inverse = np.linalg.inv(score @ score.T + np.diag(_PRIOR.sd**-2.0))
-    spread = by_tile @ by_tile.T + np.diag(_PRIOR.sd**-2.0)
-    posterior_sd = np.sqrt(np.diag(inverse @ spread @ inverse))
+    inverse = np.linalg.inv(score @ score.T + np.diag(PRIOR.sd**-2.0))
+    spread = by_tile @ by_tile.T + np.diag(PRIOR.sd**-2.0)
+    covariance = inverse @ spread @ inverse
     return Fit(
         log=x,
-        covariance=inverse @ spread @ inverse,
-        informed=np.clip(1 - posterior_sd / _PRIOR.sd, 0, 1),
+        covariance=covariance,
+        sd=np.sqrt(np.maximum(np.diag(covariance), np.diag(inverse))),
         own=float(likelihood.weights.mean()) if likelihood.events else 0.0,
         stray_hz=(float(likelihood.stray_per_us[0] * 1e6), float(likelihood.stray_per_us[1] * 1e6)),
         log_likelihood=float(parts(x).sum()),

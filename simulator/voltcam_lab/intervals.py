@@ -41,9 +41,10 @@ def intervals(
 
     Each begins with an event: what a pixel does after one does not depend on what it did before, so intervals
     are fair whatever the recording's start was. An event in a masked time (a Mask, or windows (M, 2) [us] of
-    all rows) ends an interval unseen where the mask begins, and begins none. So do times in which the light is not known (`Scene.trusted` to
-    `tolerance`). The last one of each pixel ends unseen at the end of the scene.
-    dead_us: what the light does in this time after an event is lost. delay_us: events are this much late.
+    all rows) ends an interval unseen where the mask begins, and begins none. So do times in which the light
+    is not known (`Scene.trusted` to `tolerance`). The last one of each pixel ends unseen at the end of the
+    scene. dead_us: what the light does in this time after an event is lost. delay_us: events are this much
+    late.
     """
     event_pixel = events["y"].astype(np.int64) * scene.width + events["x"]
     chosen = keep.ravel()[event_pixel]
@@ -55,7 +56,7 @@ def intervals(
     window_start = mask.start(t_us, pixel // scene.width)
     inside = (t_us - delay_us >= scene.t_us[0]) & (t_us - delay_us + dead_us < scene.t_us[-1])
     pixel, t_us, polarity, window_start = (a[inside] for a in (pixel, t_us, polarity, window_start))
-    found = np.zeros(len(pixel), INTERVAL)
+    found: Intervals = np.zeros(len(pixel), INTERVAL)
     used, row = np.unique(pixel, return_inverse=True)
     planes = np.ascontiguousarray(scene.images.reshape(len(scene.images), -1)[:, used].T)
     trusted = np.ascontiguousarray(scene.trusted(tolerance)[:, used].T)

@@ -4,14 +4,15 @@ After an event a pixel starts at 0. Its voltage has the mean path
 
     M(t) = k1 ln((L(t) + k2)/(L(0) + k2)) + k4 t + k5 integral L        (Eq. 1, 10)
 
-and the variance S(t) = integral sigma^2, sigma = k3 sqrt(L)/(L + k2) + k6 (Eq. 11). The first passage through a
-barrier theta has, where the path is not far from straight in the last stretch, the density (tangent
-approximation: Durbin, J. Appl. Prob. 22, 1985; exact for a straight path, where it is the inverse Gaussian law)
+and the variance S(t) = integral sigma^2, sigma = k3 sqrt(L)/(L + k2) + k6 (Eq. 11). The first passage through
+a barrier theta has, where the path is not far from straight in the last stretch, the density (tangent
+approximation: Durbin, J. Appl. Prob. 22, 1985; exact for a straight path, where it is the inverse Gaussian
+law)
 
     p(t) = (M'(t) + sigma^2 x/S) N(x; 0, S),    x = theta - M(t).
 
-What is uncertain beside the Wiener process is a normal shift of theta - x with variance E (reset noise, error of
-the light); it can be integrated out: S becomes S + E in both places. What stays with a pixel (its own
+What is uncertain beside the Wiener process is a normal shift of theta - x with variance E (reset noise, error
+of the light); it can be integrated out: S becomes S + E in both places. What stays with a pixel (its own
 thresholds, its own leak) is common to its intervals and is integrated out over all of them together.
 """
 
@@ -28,11 +29,13 @@ from .rest import NO_WAITS, Waits, log_likelihood
 Vector = NDArray[np.float64]
 
 START = {
-    "k1": 5.0, "k2_dn": 20.0, "k3": 1e-4, "k4_per_us": 1e-7, "k5_per_dn_us": 1e-8, "k6": 1e-5, "on_over_off": 1.0,
-    "threshold_spread": 0.02, "leak_spread": 0.05, "reset_spread": 0.003, "light_error_dn": 0.3,
+    "k1": 5.0, "k2_dn": 20.0, "k3": 1e-4, "k4_per_us": 1e-7, "k5_per_dn_us": 1e-8, "k6": 1e-5,
+    "on_over_off": 1.0, "threshold_spread": 0.02, "leak_spread": 0.05, "reset_spread": 0.003,
+    "light_error_dn": 0.3,
     "bend_error": 0.3,
 }  # fmt: skip
-"""Parameters of the likelihood, all positive, and where the search begins: the camera's first, then what spreads."""
+"""Parameters of the likelihood, all positive, and where the search begins: the camera's first, then what
+spreads."""
 
 LARGEST = {"threshold_spread": 0.5, "leak_spread": 1.0, "reset_spread": 0.5}
 """What may be larger only because something else is wrong: spreads take in whatever is not understood."""
@@ -66,7 +69,7 @@ def terms(seen: Intervals, dead_us: float, p: Mapping[str, float]) -> Terms:
     free_us = np.maximum(seen["end_us"] - seen["start_us"] - dead_us, 1.0)
     dark = np.log(before + k2)
     leaked = (p["k4_per_us"] + p["k5_per_dn_us"] * mean) * free_us
-    rate = (p["k3"] * np.sqrt(mean) / (mean + k2) + p["k6"]) ** 2
+    rate = noise_rate(mean, p)
     blurred = np.minimum(highest - lowest, 1.0)  # light that stands still has no error of its change
     light_error2 = (
         blurred * p["light_error_dn"] ** 2 + (p["bend_error"] * seen["doubt"].astype(np.float64)) ** 2
@@ -87,6 +90,11 @@ def terms(seen: Intervals, dead_us: float, p: Mapping[str, float]) -> Terms:
     )
 
 
+def noise_rate(level: Vector, p: Mapping[str, float]) -> Vector:
+    """sigma^2 [1/us] at a light (n,) [DN] (Eq. 11)."""
+    return np.asarray((p["k3"] * np.sqrt(level) / (level + p["k2_dn"]) + p["k6"]) ** 2)
+
+
 class Likelihood:
     """The log likelihood of intervals, robust against events the model does not know.
 
@@ -105,23 +113,24 @@ class Likelihood:
         groups, self._group = np.unique(member, return_inverse=True)  # ON and OFF of a pixel: own thresholds
         self._pixel_of_group = groups // 2
         self.part_pixel = np.concatenate([self.pixels, waits["pixel"]])
+        self.counts = np.concatenate([np.ones(len(self.pixels)), waits["count"]])
         self.span_us = max(float((self.seen["end_us"] - self.seen["start_us"]).sum()), 1.0)
         self.weights: Vector = np.ones(self.events)
         self.stray_per_us = np.full(2, 1e-9)
 
     def parts(self, p: Mapping[str, float]) -> Vector:
         """The log likelihood of each pixel's intervals, and of each wait, by `part_pixel`."""
-        leak = p["k4_per_us"] + p["k5_per_dn_us"] * self.waits["level"]
-        waited = log_likelihood(self.waits, leak, float(np.sqrt(p["on_over_off"])))
+        level = self.waits["level"].astype(np.float64)
+        leak, noise = p["k4_per_us"] + p["k5_per_dn_us"] * level, noise_rate(level, p)
+        waited = log_likelihood(self.waits, leak, noise, float(np.sqrt(p["on_over_off"])))
         return np.concatenate([self._by_pixel(p), waited])
 
     def _by_pixel(self, p: Mapping[str, float]) -> Vector:
         t = terms(self.seen, self.dead_us, p)
-        n = self.events
-        passed = self.weights * (self._log_density(t, p) + self._not_other(t, p)[:n])
-        each = np.concatenate([passed, self._log_survival(t, p)[n:]])
+        passed = self.weights * (self._log_density(t, p) + self._not_other(t, p))
+        each = np.concatenate([passed, self._log_survival(t, p)])
         spread = np.bincount(self._pixel_of_group, self._own(t, p)[1], minlength=len(self.pixels))
-        return np.bincount(self._pixel, each, minlength=len(self.pixels)) + spread
+        return np.asarray(np.bincount(self._pixel, each, minlength=len(self.pixels)) + spread)
 
     def _log_density(self, t: Terms, p: Mapping[str, float]) -> Vector:
         """ln p(t) of the intervals with an event, without what their pixel has in common."""
@@ -131,7 +140,8 @@ class Likelihood:
         return np.log(np.maximum(speed, 1e-10)) - 0.5 * (np.log(2 * np.pi * variance) + x * x / variance)
 
     def _own(self, t: Terms, p: Mapping[str, float]) -> tuple[Vector, Vector]:
-        """The part of each x (events,) that is the pixel's own, and what that adds to each group's log density.
+        """The part of each x (events,) that is the pixel's own, and what that adds to each group's log
+        density.
 
         With x = u a + v b + noise, a ~ N(0, m^2) and b ~ N(0, s^2) common to a pixel: a two-by-two system.
         """
@@ -153,16 +163,17 @@ class Likelihood:
         return np.sqrt(t.wiener + t.error + own)
 
     def _not_other(self, t: Terms, p: Mapping[str, float]) -> Vector:
-        """ln P(the other barrier was not met on the way)."""
-        ratio = np.sqrt(p["on_over_off"])
-        room = np.where(self.seen["end"] < 0, ratio - t.highest, 1 / ratio + t.lowest)
-        return _lenient(log_ndtr(room / self._width(t, p)))
+        """ln P(the other barrier was not met on the way), of intervals with an event."""
+        ratio, seen = np.sqrt(p["on_over_off"]), slice(None, self.events)
+        room = np.where(self.seen["end"][seen] < 0, ratio - t.highest[seen], 1 / ratio + t.lowest[seen])
+        return _lenient(log_ndtr(room / self._width(t, p)[seen]))
 
     def _log_survival(self, t: Terms, p: Mapping[str, float]) -> Vector:
         """ln P(no barrier was met), of intervals whose end was not seen."""
-        ratio = np.sqrt(p["on_over_off"])
-        width = self._width(t, p)
-        return _lenient(log_ndtr((ratio - t.highest) / width) + log_ndtr((1 / ratio + t.lowest) / width))
+        ratio, unseen = np.sqrt(p["on_over_off"]), slice(self.events, None)
+        width = self._width(t, p)[unseen]
+        up, down = (ratio - t.highest[unseen]) / width, (1 / ratio + t.lowest[unseen]) / width
+        return _lenient(log_ndtr(up) + log_ndtr(down))
 
     def reweigh(self, p: Mapping[str, float]) -> float:
         """Set `weights` and `stray_per_us` from the model with parameters `p`.
@@ -177,13 +188,13 @@ class Likelihood:
         speed = np.maximum(t.speed[:n] + t.wiener_rate[:n] * rest / variance, 1e-10)
         own = speed * np.exp(-0.5 * rest**2 / variance) / np.sqrt(2 * np.pi * variance)
         off = (self.seen["end"][:n] < 0).astype(np.intp)
-        stray = self.stray_per_us[off] * np.exp(self._not_other(t, p)[:n])
+        stray = self.stray_per_us[off] * np.exp(self._not_other(t, p))
         self.weights = own / (own + stray)
         lost = np.bincount(off, 1 - self.weights, minlength=2)
         self.stray_per_us = np.maximum(lost / self.span_us, 1e-12)
-        return float(np.log(own + stray).sum() + self._log_survival(t, p)[n:].sum())
+        return float(np.log(own + stray).sum() + self._log_survival(t, p).sum())
 
 
 def _lenient(log_probability: Vector) -> Vector:
     """Of a probability that is never below OUTLIER."""
-    return np.logaddexp(np.log1p(-OUTLIER) + log_probability, np.log(OUTLIER))
+    return np.asarray(np.logaddexp(np.log1p(-OUTLIER) + log_probability, np.log(OUTLIER)))

@@ -23,7 +23,7 @@ class Mask:
 
     def start(self, t_us: NDArray[np.float64], y: NDArray[np.int64]) -> NDArray[np.float64]:
         """For events (n,) the start of the window that each lies in; its own time where it lies in none."""
-        by_row = _start(t_us, self.row_windows, self.us_per_row * y)
+        by_row = _start(t_us, self.row_windows, np.multiply(self.us_per_row, y, dtype=np.float64))
         return np.minimum(_start(t_us, self.windows, np.zeros(1)), by_row)
 
     def share(self, begin_us: int, end_us: int) -> float:
@@ -38,4 +38,4 @@ def _start(t_us: NDArray[np.float64], windows: Windows, turn_us: NDArray[np.floa
         return t_us
     which = np.maximum(np.searchsorted(windows[:, 0], t_us - turn_us, side="right") - 1, 0)
     begin, end = windows[which, 0] + turn_us, windows[which, 1] + turn_us
-    return np.where((t_us >= begin) & (t_us < end), begin, t_us)
+    return np.asarray(np.where((t_us >= begin) & (t_us < end), begin, t_us))

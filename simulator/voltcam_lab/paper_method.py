@@ -28,6 +28,7 @@ from scipy.optimize import least_squares, nnls
 from voltcam_simulator import Parameters
 
 from .intervals import intervals
+from .masks import Mask, Windows
 from .scene import Scene
 
 BIN = np.dtype([
@@ -65,7 +66,7 @@ def calibrate_as_paper(
     events: NDArray[np.void],
     scene: Scene,
     keep: NDArray[np.bool_] | None = None,
-    masked: NDArray[np.int64] | None = None,
+    masked: Mask | Windows | None = None,
 ) -> PaperFit:
     """The paper's parameters from events (dtype EVENT, sorted by time) and the light that they answer to.
 

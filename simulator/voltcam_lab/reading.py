@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from .intervals import Intervals, intervals
 from .masks import Mask, Windows
-from .rest import NO_WAITS, Waits, at_rest, waits
+from .rest import NO_WAITS, Rest, Waits, rest_of, waits
 from .scene import TRUSTED, Scene, scene_of
 
 WELL_SAMPLED = 0.9  # share of the light that is trusted from which nothing better is looked for
@@ -19,29 +19,30 @@ ENOUGH = 2_000  # intervals with an event: with as many, no more light is truste
 @dataclass(frozen=True, eq=False)
 class Reading:
     """events (EVENT), sorted by time; the light; pixels to use (H, W); times to leave out: a Mask, or windows
-    (M, 2) [us] of all rows. tolerance: of the light, as `Scene.trusted`. still: pixels (H, W) whose waits for
-    a first event count; none where they are not given."""
+    (M, 2) [us] of all rows. tolerance: of the light, as `Scene.trusted`. rest, and the pixels (H, W) whose
+    waits for a first event at rest count: none where it is not given."""
 
     events: NDArray[np.void]
     scene: Scene
     keep: NDArray[np.bool_]
     masked: Mask | Windows
     tolerance: float = TRUSTED
-    still: NDArray[np.bool_] | None = None
+    rest: Rest | None = None
+    resting: NDArray[np.bool_] | None = None
 
     def intervals(self, dead_us: float, delay_us: float) -> Intervals:
         """Its same-pixel intervals."""
-        return intervals(
-            self.events, self.scene, self.keep, self.masked, dead_us, delay_us, self.tolerance
-        )
+        return intervals(self.events, self.scene, self.keep, self.masked, dead_us, delay_us, self.tolerance)
 
     def waits(self) -> Waits:
         """For how long its pixels at rest had no event."""
-        return NO_WAITS if self.still is None else waits(self.events, self.scene, self.still, self.masked)
+        if self.rest is None or self.resting is None:
+            return NO_WAITS
+        return waits(self.events, self.rest, self.resting, self.masked)
 
     def prepared(self) -> "Reading":
         """The same with its pixels at rest, and as little trust in the light as leaves enough to fit."""
-        found = replace(self, still=self.keep & at_rest(self.scene))
+        found = replace(self, rest=rest_of(self.scene), resting=self.keep)
         for tolerance in TOLERANCES:
             found = replace(found, tolerance=tolerance)
             if np.count_nonzero(found.intervals(0.0, 0.0)["end"]) >= ENOUGH:
@@ -49,7 +50,8 @@ class Reading:
         return found
 
     def sampled(self, rng: np.random.Generator, size: int) -> "Reading":
-        """Pixels with about `size` intervals, alike many where the light hardly moves, moves, and moves much."""
+        """Pixels with about `size` intervals, alike many where the light hardly moves, moves, and moves
+        much."""
         seen = self.intervals(0.0, 0.0)
         count = np.bincount(seen["pixel"][seen["end"] != 0], minlength=self.keep.size)
         moved = self.scene.images.std(axis=0).ravel()

@@ -19,8 +19,8 @@ USUAL_DARK_DN = 20.0
 class Scene:
     """The frames a camera took, and the light between them.
 
-    taken: (M, H, W) grey levels [DN] at taken_us (M,) int64 ascending. images: (N, H, W) float32 at t_us (N,),
-    the same with more between them, made as `how` says. Between two images light goes straight.
+    taken: (M, H, W) grey levels [DN] at taken_us (M,) int64 ascending. images: (N, H, W) float32 at t_us
+    (N,), the same with more between them, made as `how` says. Between two images light goes straight.
     """
 
     taken: NDArray[Any]
@@ -46,7 +46,8 @@ class Scene:
 
     @cached_property
     def surprise(self) -> NDArray[np.float32]:
-        """How far each frame is from what the light between its neighbours says it should be [DN], (M, pixels).
+        """How far each frame is from what the light between its neighbours says it should be [DN], (M,
+        pixels).
 
         Between two frames one of which surprises, light is known less well than that.
         """
@@ -73,7 +74,8 @@ class Scene:
     def trusted(self, tolerance: float = TRUSTED) -> NDArray[np.bool_]:
         """Where the light between frame k and the next is known well enough to say when an event is due.
 
-        (M - 1, pixels). No surprise of more than `tolerance` of the brightness in either frame, nor next to it.
+        (M - 1, pixels). No surprise of more than `tolerance` of the brightness in either frame, nor next to
+        it.
         """
         good: NDArray[np.bool_] = self.unsure.reshape(len(self.taken), -1) < tolerance
         return good[:-1] & good[1:]
@@ -85,11 +87,13 @@ class Scene:
         """
         k = np.clip(np.searchsorted(self.taken_us, t_us, side="right") - 1, 0, len(self.taken_us) - 2)
         phase = np.clip((t_us - self.taken_us[k]) / (self.taken_us[k + 1] - self.taken_us[k]), 0, 1)
-        return 4 * phase * (1 - phase) * np.maximum(self.surprise[k, pixel], self.surprise[k + 1, pixel])
+        larger = np.maximum(self.surprise[k, pixel], self.surprise[k + 1, pixel])
+        return np.asarray(4 * phase * (1 - phase) * larger)
 
 
 def scene_of(taken: NDArray[Any], taken_us: NDArray[np.int64], how: Upsampling = "auto") -> Scene:
-    """The scene of frames (M, H, W) at taken_us (M,), with light between them: `how` as in voltcam_video.between."""
+    """The scene of frames (M, H, W) at taken_us (M,), with light between them: `how` as in
+    voltcam_video.between."""
     dense = list(between(_as_frames(taken, taken_us), how))
     images = np.stack([frame.image for frame in dense]).astype(np.float32, copy=False)
     return Scene(taken, taken_us, images, np.array([frame.t_us for frame in dense], np.int64), how)

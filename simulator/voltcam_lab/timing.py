@@ -42,7 +42,8 @@ def _mixture(seen: Intervals, dead_us: float, start: NDArray[np.float64]) -> tup
 
 
 def _search(score: Callable[[float], tuple[float, int]], grid: NDArray[np.float64]) -> float:
-    """Where `score` is highest, by the grid and four halvings about its best; 0 where that is hardly better."""
+    """Where `score` is highest, by the grid and four halvings about its best; 0 where that is hardly
+    better."""
     scores = [score(float(x)) for x in grid]
     k = int(np.argmax([each for each, _ in scores]))
     best, top = float(grid[k]), scores[k][0]

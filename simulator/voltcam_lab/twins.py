@@ -9,48 +9,58 @@ from numpy.typing import NDArray
 from voltcam_simulator import EVENT, Parameters, Simulator
 
 from .estimates import parameters_of
-from .fit import maximise, named
+from .fit import PRIOR, Fit, maximise, named
 from .likelihood import NAMES
 from .reading import Reading
 from .scene import Scene, scene_of
 
-TWINS, TURNS = 8, 2
+TWINS = (4, 12)  # at the fit, and where these lead
 PER_LIGHT = 2  # twins that see the same: light between frames costs as much as a twin
 LEAST_SPREAD = 1e-4  # thresholds: nothing
 Vector = NDArray[np.float64]
 
 
 def unbiased(
-    reading: Reading, found: Vector, dead_us: float, delay_us: float, seed: int, report: Callable[[str], None]
+    reading: Reading,
+    fitted: Fit,
+    dead_us: float,
+    delay_us: float,
+    seed: int,
+    report: Callable[[str], None],
 ) -> tuple[Vector, Vector]:
-    """Log parameters (k,) whose twins fit as the recording did, and the standard deviations of such fits.
+    """Log parameters (k,) whose twins are fitted as the recording was, and the standard deviations of such
+    fits.
 
-    Indirect inference (Gourieroux, Monfort, Renault 1993): the error of a likelihood that is not exact, and of
-    light that frames do not fix, is what the same fit makes of twins. Twice, the second time where the first led.
+    Indirect inference (Gourieroux, Monfort, Renault 1993): the error of a likelihood that is not exact, and
+    of light that frames do not fix, is what the same fit makes of twins. The second time it is where the
+    first led.
     """
-    truth, squares = found, np.zeros(len(found))
-    for turn in range(TURNS):
-        values, fits = named(truth), []
+    truth, made = fitted.log, 0
+    known = np.clip(2 * (1 - fitted.sd / PRIOR.sd), 0, 1)  # what the prior says has no error to be taken off
+    fits = np.zeros((0, len(truth)))
+    for twins in TWINS:
+        values, parts = named(truth), []
         parameters = parameters_of(values, dead_us, delay_us)
-        for n in range(turn * TWINS, (turn + 1) * TWINS):
-            report(f"twin {n + 1} of {TURNS * TWINS}")
-            if n % PER_LIGHT == 0:
-                retaken = retake(reading.scene, np.random.default_rng(seed + n), values["bend_error"])
-            own = replace(reading, events=twin(retaken, parameters, seed + n + 1), scene=retaken.scene)
+        for _ in range(twins):
+            made += 1
+            report(f"twin {made} of {sum(TWINS)}")
+            if made % PER_LIGHT == 1:
+                retaken = retake(reading.scene, np.random.default_rng(seed + made), values["bend_error"])
+            own = replace(reading, events=twin(retaken, parameters, seed + made), scene=retaken.scene)
             seen, waited = own.intervals(dead_us, delay_us), own.waits()
-            fits.append(maximise(seen, dead_us, truth, em_steps=2, waits=waited)[0])
-        truth = _corrected(truth, found, np.array(fits))
-        squares += np.var(fits, axis=0, ddof=1) / TURNS
-    return truth, np.sqrt(squares * (1 + 1 / TWINS))
+            parts.append(maximise(seen, dead_us, truth, em_steps=1, waits=waited)[0])
+        fits = np.array(parts)
+        truth = _corrected(truth, fitted.log, fits, known)
+    return truth, np.asarray(fits.std(axis=0, ddof=1) * np.sqrt(1 + 1 / len(fits)))
 
 
-def _corrected(truth: Vector, found: Vector, fits: NDArray[np.float64]) -> Vector:
-    """Log parameters whose twins fit as `found`, from twins of `truth` that fit as `fits` (n, k).
+def _corrected(truth: Vector, found: Vector, fits: NDArray[np.float64], known: Vector) -> Vector:
+    """Log parameters whose twins fit as `found`, from twins of `truth` that fit as `fits` (n, k), where known
+    (k,) is 1; 0: not changed.
 
     Spreads add up in squares: one that is all error of the fit goes to nothing.
     """
-    shift = np.clip(fits.mean(axis=0) - found, -1, 1)
-    corrected = truth - shift
+    corrected = truth - known * np.clip(fits.mean(axis=0) - found, -1, 1)
     for i, name in enumerate(NAMES):
         if name.endswith("_spread"):
             square = np.exp(2 * truth[i]) - np.exp(2 * fits[:, i]).mean() + np.exp(2 * found[i])
@@ -62,7 +72,7 @@ def _corrected(truth: Vector, found: Vector, fits: NDArray[np.float64]) -> Vecto
 class Retaken:
     """Light like that of a recording, and the scene of frames taken of it at other moments.
 
-    What is between the frames and what lies between two grey levels is then known, to the twin, not to the fit.
+    What is between the frames, and between two grey levels, is then known: to the twin, not to the fit.
     """
 
     light: list[tuple[NDArray[np.float32], int]]
@@ -70,15 +80,15 @@ class Retaken:
 
 
 def retake(scene: Scene, rng: np.random.Generator, bend_error: float) -> Retaken:
-    """Light (between frames off by bend_error times `Scene.doubt`, normally), moved by a part of the frame period
-    and a part of a grey level, with new frames at the same times and new light between these."""
+    """Light moved by a part of the frame period and a part of a grey level, with new frames at the same times
+    and new light between these. bend_error: how far it is off between the first frames, times `Scene.doubt`,
+    normally.
+    """
     whole = np.issubdtype(scene.taken.dtype, np.integer)
     shape = (scene.height, scene.width)
     shift = rng.random(shape, np.float32) - np.float32(0.5) if whole else np.zeros(shape, np.float32)
     later_us = round(rng.uniform(0.25, 0.75) * float(np.median(np.diff(scene.taken_us))))
-    light = [
-        (np.maximum(image + shift, 0), t_us - later_us) for image, t_us in bent(scene, rng, bend_error)
-    ]
+    light = [(np.maximum(image + shift, 0), t_us - later_us) for image, t_us in bent(scene, rng, bend_error)]
     t_us = np.array([t for _, t in light])
     taken_us = scene.taken_us[scene.taken_us <= t_us[-1]]
     frames = np.empty((len(taken_us), *shape), np.float32)
@@ -108,4 +118,5 @@ def twin(retaken: Retaken, parameters: Parameters, seed: int) -> NDArray[np.void
     simulator = Simulator(retaken.scene.width, retaken.scene.height, parameters, seed=seed)
     found = [simulator.advance(image, t_us) for image, t_us in retaken.light]
     events = np.concatenate([np.empty(0, EVENT), *found])
-    return events[events["t"] >= retaken.scene.t_us[0]]
+    later: NDArray[np.void] = events[events["t"] >= retaken.scene.t_us[0]]
+    return later

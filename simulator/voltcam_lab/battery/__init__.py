@@ -57,7 +57,11 @@ LABELS: tuple[Label, ...] = tuple(label for group in GROUPS for label in group.l
 COUNTS: NDArray[np.bool_] = np.array([label.kind == "count" for label in LABELS])
 """Which entries are counts."""
 
-FLOORS: NDArray[np.float64] = np.array([label.floor for label in LABELS])
+_TURN = 4.0  # times the floor, in a lull: where light comes to rest between two frames they tell least of it
+
+FLOORS: NDArray[np.float64] = np.array([
+    label.floor * (_TURN if ("slope", "lull") in label.strata else 1) for label in LABELS
+])  # fmt: skip
 """Least spread of each entry, for counts that of 2 sqrt(n + 3/8); see Label.floor."""
 
 

@@ -7,7 +7,10 @@ from typing import Any
 
 from voltcam_simulator import Parameters
 
-Changes = Mapping[str, Mapping[str, Any]]
+WEAKER = ("cutoff_hz", "max_rate_events_per_s")
+"""Sizes that make an effect weaker when they grow."""
+RATIOS = ("ratio", "gamma_exponent")
+"""Sizes that are 1 where there is no effect."""
 
 
 @dataclass(frozen=True)
@@ -22,6 +25,12 @@ class Candidate:
     names: tuple[str, ...]
     sizes: tuple[tuple[float, ...], ...]
     others: Mapping[str, Any] = field(default_factory=dict)
+
+    def scaled(self, size: tuple[float, ...], amount: float) -> tuple[float, ...]:
+        """The size at which the effect is about `amount` times as strong."""
+        if self.names[0] in RATIOS:
+            return (size[0] ** amount, *size[1:])
+        return (size[0] / amount if self.names[0] in WEAKER else size[0] * amount, *size[1:])
 
     def on(self, parameters: Parameters, size: tuple[float, ...]) -> Parameters:
         """The parameters with the effect at a size (one number for each name)."""

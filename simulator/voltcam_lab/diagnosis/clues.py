@@ -31,7 +31,8 @@ def clues(setting: Setting, events: NDArray[np.void], row_us: float | None = Non
 
 
 def exposure_of(setting: Setting, events: NDArray[np.void]) -> tuple[float, float]:
-    """(start of some exposure [us], its length): as recorded, or where ON events crowd in the frame's phase."""
+    """(start of some exposure [us], its length): as recorded, or where ON events crowd in the frame's
+    phase."""
     if setting.exposure_us is not None:
         lengths = setting.exposure_us[:, 1] - setting.exposure_us[:, 0]
         return float(setting.exposure_us[0, 0]), float(np.median(lengths))

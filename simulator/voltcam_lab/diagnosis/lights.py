@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from ..scene import Scene
 
 LIGHTS = ((0.0, 0.3), (-0.6, 0.3), (0.3, 0.1), (-0.3, 0.6))
-"""Versions of the light between frames: (how much more it bends than `Scene.images`, -1 is straight; random error
-as a share of `Scene.doubt`). What frames leave open must not look like a gap."""
+"""Versions of the light between frames: (how much more it bends than `Scene.images`, -1 is straight; random
+error as a share of `Scene.doubt`). What frames leave open must not look like a gap."""
 
 Plane = NDArray[np.float32]
 

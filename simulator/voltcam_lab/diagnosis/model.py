@@ -31,8 +31,8 @@ TRAINING, HELD_OUT = (0, 1, 2), (3,)
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """start: the camera file's parameters; shift: (6 + sizes,) logarithms of the change of base parameters and
-    of the sizes of the accepted effects."""
+    """start: the camera file's parameters; shift: (6 + sizes,) logarithms of the change of base parameters
+    and of the sizes of the accepted effects."""
 
     start: Parameters
     accepted: tuple[tuple[Candidate, tuple[float, ...]], ...] = ()
@@ -87,13 +87,15 @@ def within(candidate: Candidate, size: tuple[float, ...]) -> tuple[float, ...]:
         for limit in fields[name].metadata:
             low = max(low, getattr(limit, "ge", -np.inf), getattr(limit, "gt", -np.inf))
             high = min(high, getattr(limit, "le", np.inf))
-        kept.append(round(value) if fields[name].annotation is int else float(np.clip(value, low, high)))
+        clipped = float(np.clip(value, low, high))
+        kept.append(round(clipped) if fields[name].annotation is int else clipped)
     return tuple(kept)
 
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """Of the twins of a model: mean and the v of each statistic, both (PARTS, n), and the twins themselves."""
+    """Of the twins of a model: mean and the v of each statistic, both (PARTS, n), and the twins
+    themselves."""
 
     mean: Values
     v: Values
@@ -114,7 +116,8 @@ def spread_of(rig: Rig, parameters: Parameters, seeds: Sequence[int]) -> Spread:
 
 
 def slopes(rig: Rig, model: Model, seeds: Sequence[int], v: Values) -> NDArray[np.float64]:
-    """(PARTS, n, k): derivatives of what the battery sees with respect to the model's `shift`, in units of v."""
+    """(PARTS, n, k): derivatives of what the battery sees with respect to the model's `shift`, in units of
+    v."""
     sets = [model.parameters()]
     for i in range(len(model.shift)):
         sets.append(model.parameters([s + STEP * (i == k) for k, s in enumerate(model.shift)]))
@@ -128,24 +131,27 @@ def flat(values: NDArray[np.float64], parts: Sequence[int] = TRAINING) -> NDArra
 
 
 def refitted(
-    rig: Rig, model: Model, data: Values, v: Values, seeds: Sequence[int], turns: int = 3
+    rig: Rig, model: Model, data: Values, v: Values, seeds: Sequence[int], rounds: int = 1
 ) -> tuple[Model, Values]:
-    """The model moved to where it is nearest to the data in the training parts, by Gauss and Newton's method with
-    common noise; and what the battery sees of it on average."""
+    """The model moved to where it is nearest to the data in the training parts, and what the battery sees of
+    it on average. Gauss and Newton's method with common noise; slopes are taken anew in each round."""
     mean = rig.means([model.parameters()], seeds)[0]
     best = gap(flat((data - mean) / v))
-    columns = flat(slopes(rig, model, seeds, v))
-    for _ in range(turns):
-        move = np.clip(fitted(flat((data - mean) / v), columns, model.prior_sd).x, -0.8, 0.8)
-        for length in (1.0, 0.4):
-            moved = replace(model, shift=tuple(np.array(model.shift) + length * move))
-            moved_mean = rig.means([moved.parameters()], seeds)[0]
-            left = gap(flat((data - moved_mean) / v))
-            if left < best:
+    for _ in range(rounds):
+        columns, at_first = flat(slopes(rig, model, seeds[:2], v)), best
+        for _ in range(3):
+            move = np.clip(fitted(flat((data - mean) / v), columns, model.prior_sd).x, -0.8, 0.8)
+            for length in (1.0, 0.4, 0.1):
+                moved = replace(model, shift=tuple((np.array(model.shift) + length * move).tolist()))
+                moved_mean = rig.means([moved.parameters()], seeds)[0]
+                left = gap(flat((data - moved_mean) / v))
+                if left < best:
+                    break
+            else:
                 break
-        else:
-            return model, mean
-        gained, model, mean, best = best - left, moved, moved_mean, left
-        if gained < 0.005:
+            gained, model, mean, best = best - left, moved, moved_mean, left
+            if gained < 0.005:
+                break
+        if at_first - best < 0.01:
             break
     return model, mean

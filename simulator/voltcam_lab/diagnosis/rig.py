@@ -36,7 +36,8 @@ class Rig:
         return self.observe(self.events(parameters, seed))
 
     def observe(self, events: NDArray[np.void]) -> Values:
-        """(PARTS, n) what the battery sees of events, where the light is known well enough (`Scene.trusted`)."""
+        """(PARTS, n) what the battery sees of events, where the light is known well enough
+        (`Scene.trusted`)."""
         scene = self.setting.scene
         gap = np.clip(
             np.searchsorted(scene.taken_us, events["t"], side="right") - 1, 0, len(scene.taken_us) - 2

@@ -21,7 +21,8 @@ def loss(z: Vector) -> Vector:
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """x: (k,) amounts; gain: by how much the summed loss falls against x = 0, prior included; rest: z left."""
+    """x: (k,) amounts; gain: by how much the summed loss falls against x = 0, prior included; rest: z
+    left."""
 
     x: Vector
     gain: float
@@ -30,12 +31,13 @@ class Fitted:
 
 def fitted(z: Vector, columns: NDArray[np.float64], prior_sd: Vector, steps: int = 8) -> Fitted:
     """Amounts x of columns (n, k) that leave the least loss of z - columns x, with x ~ N(0, prior_sd^2)."""
-    x, before = np.zeros(columns.shape[1]), float(loss(z).sum())
+    x: Vector = np.zeros(columns.shape[1])
+    before = float(loss(z).sum())
     ridge = np.diag(prior_sd**-2.0)
     for _ in range(steps):
         weight = 1 / np.sqrt(1 + ((z - columns @ x) / SOFT) ** 2)
         weighted = columns * weight[:, None]
-        x = np.linalg.solve(columns.T @ weighted + ridge, weighted.T @ z)
+        x = np.linalg.solve(columns.T @ weighted + ridge, weighted.T @ z).astype(np.float64)
     rest = z - columns @ x
     after = float(loss(rest).sum() + 0.5 * ((x / prior_sd) ** 2).sum())
     return Fitted(x, before - after, rest)

@@ -39,14 +39,15 @@ class Screen:
         return fitted(z, flat(self.base), self.model.prior_sd)
 
     def gains(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(signatures,) by how much each lessens the loss of z, beyond what the model's own parameters can."""
-        own = self.own(z).gain
-        return np.array([self._gain(z, one) - own for one in self.signatures])
+        """(signatures,) by how much each lessens the loss of z, beyond what the model's own parameters
+        can."""
+        own, both = self.own(z).gain, [self.with_effect(z, one) for one in self.signatures]
+        return np.array([found.gain - own if found.x[-1] > 0 else -np.inf for found in both])
 
-    def _gain(self, z: NDArray[np.float64], one: Signature) -> float:
+    def with_effect(self, z: NDArray[np.float64], one: Signature) -> Fitted:
+        """Amounts of the model's own parameters and, last, of an effect that fit z best."""
         columns = np.column_stack([flat(self.base), flat(one.column)])
-        found = fitted(z, columns, np.append(self.model.prior_sd, AMOUNT_SD))
-        return found.gain if found.x[-1] > 0 else -np.inf
+        return fitted(z, columns, np.append(self.model.prior_sd, AMOUNT_SD))
 
     def p_value(self, gain: float) -> float:
         """How often twins, where nothing is missing, have as large a gain from anything in the catalogue."""

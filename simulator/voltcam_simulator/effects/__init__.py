@@ -23,6 +23,8 @@ from .photoreceptor_bandwidth import PhotoreceptorBandwidth
 from .readout import Readout
 from .refractory_period import RefractoryPeriod
 from .reset_noise import ResetNoise
+from .residual_drift import ResidualDrift
+from .residual_noise import ResidualNoise
 from .temperature_drift import TemperatureDrift
 from .threshold_mismatch import ThresholdMismatch
 from .timestamp_quantum import TimestampQuantum
@@ -43,6 +45,8 @@ EFFECTS: tuple[type[Effect], ...] = (
     JunctionLeak,
     ParasiticPhotocurrent,
     LeakNoise,
+    ResidualDrift,
+    ResidualNoise,
     ApsCoupling,
     LeakMismatch,
     Comparator,

@@ -1,0 +1,132 @@
+"""`voltcam diagnose`: find what a camera file lacks to explain a recording, name it, add it, show it."""
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from tqdm import tqdm
+
+from voltcam_simulator import Camera, camera_names
+
+from .diagnosis.conclude import camera_of, result_of
+from .diagnosis.identify import identify
+from .diagnosis.loop import diagnose
+from .diagnosis.report import page_of
+from .diagnosis.session import MOST_SECONDS, DiagnosisError, Session, session_of
+from .page import write
+from .recordings import load
+
+BAR = "{desc:<34} {percentage:3.0f}% |{bar:24}| {n_fmt} of {total_fmt} simulations {elapsed}"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """The command line of `voltcam diagnose`."""
+    parser.description = (
+        "Find where a camera file and a recording with frames and events disagree, name the physical effect\n"
+        "that is missing, add it, and show on held-out data that the gap shrinks; or say that nothing is\n"
+        "missing, or that it is nothing known."
+    )
+    parser.epilog = """\
+examples:
+  voltcam diagnose walk.aedat4 --camera mine.yaml --out walk/
+  voltcam serve --camera walk/camera.yaml --source 0      the daemon, with what was missing
+
+DIR/report.html is for people, DIR/result.json for machines, DIR/camera.yaml is the extended camera file.
+After Ctrl-C the same command goes on from where it was."""
+    parser.add_argument(
+        "recording", metavar="RECORDING", type=Path, help="a recording with frames and events"
+    )
+    parser.add_argument(
+        "--camera",
+        metavar="FILE",
+        required=True,
+        help=f"a camera file, or one of {', '.join(camera_names())}",
+    )
+    parser.add_argument("--out", metavar="DIR", type=Path, required=True, help="folder for the results")
+    parser.add_argument("--seed", metavar="N", type=_seed, default=0, help="of what is drawn (default: 0)")
+    parser.add_argument(
+        "--seconds", metavar="S", type=_duration, default=MOST_SECONDS,
+        help=f"of the recording to look at, from its beginning (default: {MOST_SECONDS:g})",
+    )  # fmt: skip
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Diagnose, with a bar on standard error; what is found goes to standard output as it is found."""
+    camera = Camera.load(arguments.camera)
+    if arguments.out.exists() and not arguments.out.is_dir():
+        raise DiagnosisError(f"{arguments.out} is a file: give a folder as --out")
+    recording = load(arguments.recording)
+    name = arguments.recording.absolute().name
+    runs = arguments.out / ".cache"
+    try:
+        session = session_of(
+            recording, camera, runs, name=name, seed=arguments.seed, seconds=arguments.seconds
+        )
+        del recording
+        with tqdm(total=1, disable=None, leave=False, bar_format=BAR) as bar:
+            _follow(session, bar)
+            _diagnose(session, arguments.out, bar)
+    except KeyboardInterrupt:
+        sys.stderr.write(
+            f"voltcam: stopped; what was done is kept in {runs}: the same command goes on from there\n"
+        )
+        return 130
+    session.rig.forget()
+    return 0
+
+
+def _diagnose(session: Session, out: Path, bar: "tqdm[None]") -> None:
+    def say(text: str) -> None:
+        tqdm.write(text, sys.stdout)
+        sys.stdout.flush()
+        bar.set_description_str(text.splitlines()[0].partition(".")[0][:34])
+
+    say(f"Looking at {session.looked_at()}.")
+    bar.set_description_str("What this recording can tell")
+    told = identify(session.rig, session.model, session.candidates)
+    say(told.text() + "\n")
+    diagnosis = diagnose(session.rig, session.data, session.model, session.candidates, say)
+    result = result_of(session, told, diagnosis)
+    say("\n" + result.sentence)
+    for effect in result.effects:
+        for parameter, size in effect.parameters.items():
+            say(f"  {effect.name}.{parameter} = {size.value:.3g}, {size.low:.3g} to {size.high:.3g}")
+        if effect.next_recording:
+            say(f"  to tell it from {' and '.join(effect.rivals)}, record: {effect.next_recording}")
+    say("")
+    texts: dict[str, Callable[[], str]] = {
+        "result.json": lambda: result.model_dump_json(indent=2) + "\n",
+        "camera.yaml": lambda: camera_of(session, diagnosis).to_yaml(),
+        "report.html": lambda: page_of(session, told, diagnosis, result),
+    }
+    for file, text in texts.items():
+        write(out / file, text())
+        say(f"{out / file} written")
+
+
+def _follow(session: Session, bar: "tqdm[None]") -> None:
+    """Let the bar show how much of a batch of simulations is done."""
+
+    def begin(runs: int) -> None:
+        bar.n, bar.total = 0, runs
+        bar.refresh()
+
+    session.rig.batch, session.rig.done = begin, lambda: bar.update() and None
+
+
+def _seed(text: str) -> int:
+    """An argument's type; argparse shows its name to the user."""
+    number = int(text)
+    if not 0 <= number < 1 << 32:
+        raise ValueError
+    return number
+
+
+def _duration(text: str) -> float:
+    """The same."""
+    number = float(text)
+    if not 0 < number < 1e6:
+        raise ValueError
+    return number

@@ -1,0 +1,193 @@
+"""The result of a diagnosis, put together from what the search left; nothing is simulated anew."""
+
+import platform
+from importlib import metadata
+
+import numpy as np
+
+from voltcam_simulator import Camera
+
+from ..battery import COUNTS, LABELS
+from .advice import next_recording
+from .catalogue import Asymmetry, Candidate
+from .identify import Identifiability, covariance
+from .loop import ALPHA, TOLERANCE, Diagnosis, Found
+from .model import BASE, Model
+from .result import (
+    Detectable,
+    Effect,
+    Estimate,
+    Gap,
+    Identifiable,
+    Known,
+    Residual,
+    Result,
+    Seeds,
+    Settings,
+    Stratum,
+    Versions,
+)
+from .search import FITTING, SIGNATURE, TWINS, Step
+from .session import Session
+from .where import Ranked, View, ranked, views
+
+MOST_STRATA = 50
+_90 = 1.645
+_SYSTEMATIC = 0.05  # of a size: no interval is narrower
+_BEYOND = 0.1  # false discovery rate
+
+
+def result_of(session: Session, told: Identifiability, diagnosis: Diagnosis) -> Result:
+    """The result."""
+    seen = views(session.rig, diagnosis, session.data)
+    first, last = next(iter(seen.values())), [*seen.values()][-1]
+    effects = [_effect(diagnosis, found) for found in diagnosis.found]
+    return Result(
+        verdict=diagnosis.verdict,
+        sentence=sentence(diagnosis, first, last),
+        effects=effects,
+        residual=_residual(diagnosis),
+        where=_strata(ranked(first, session.data)),
+        where_after=_strata(ranked(last, session.data)),
+        gap=Gap(before=first.held_out, after=last.held_out, floor=last.floor),
+        identifiability=Identifiable(
+            base=[
+                Known(name=f"{one.effect}.{one.name}", fixed=one.answer, sd=one.sd, mixed_with=one.mixed_with)
+                for one in told.base
+            ],
+            effects=[
+                Detectable(name=one.effect, parameter=one.name, size=one.size, unit=one.unit)
+                for one in told.effects
+            ],
+        ),
+        seeds=Seeds(seed=session.seed, twins=list(TWINS), signatures=list(SIGNATURE), fitting=list(FITTING)),
+        versions=Versions(
+            voltcam=metadata.version("voltcam"), numpy=np.__version__, python=platform.python_version()
+        ),
+        settings=Settings(
+            recording=session.name, camera=session.camera.name, looked_at=session.looked_at(),
+            seconds=session.seconds, columns=session.columns.tolist(),
+            upsampling=str(session.rig.setting.scene.how), not_searched=list(session.left_out), alpha=ALPHA,
+        ),
+    )  # fmt: skip
+
+
+def camera_of(session: Session, diagnosis: Diagnosis) -> Camera:
+    """The camera file with what was missing in it, of the recording's size."""
+    return session.camera.model_copy(update={"parameters": diagnosis.model.parameters()})
+
+
+def sentence(diagnosis: Diagnosis, first: View, last: View) -> str:
+    """The verdict in one; first and last are models before and after."""
+    gap = f"the gap to the measurement on held-out data {_fell(first, last)}"
+    step, residual = diagnosis.steps[-1], diagnosis.residual
+    left = step.training - step.floor_training > TOLERANCE
+    form = "" if residual is None else f" A term of unknown origin, {residual.formula}, explains part of it."
+    if diagnosis.verdict == "effects":
+        names = " and ".join(_with_rivals(found) for found in diagnosis.found)
+        rest = " What is left has no name in the catalogue." if left else ""
+        it = "it" if len(diagnosis.found) == 1 else "them"
+        return f"The camera file lacks {names}. With {it}, {gap}.{rest}{form}"
+    if diagnosis.verdict == "none":
+        return (
+            f"Nothing is missing: with base parameters fitted, {gap}, as near as chance lets it come"
+            f" ({last.floor:.2f})."
+        )
+    chance = "" if first is not last else f", chance alone would leave {last.floor:.2f}"
+    return f"Something is missing, and nothing in the catalogue explains it: {gap}{chance}.{form}"
+
+
+def in_words(effect: str) -> str:
+    """An effect's registry name for a sentence."""
+    return {"comparator": "unequal thresholds", "readout": "readout saturation"}.get(
+        effect, effect.replace("_", " ")
+    )
+
+
+def intervals(model: Model, step: Step, candidate: Candidate) -> dict[str, Estimate]:
+    """Of an accepted effect's sizes, by its own parameters' names; `step` is the one of this model."""
+    place = len(BASE)
+    sizes = next(
+        place + sum(len(size) for _, size in model.accepted[:k]) + np.arange(len(candidate.names))
+        for k, (one, _) in enumerate(model.accepted)
+        if (one.effect, one.names) == (candidate.effect, candidate.names)
+    )
+    sd = np.sqrt(np.diag(covariance(step.screen))[sizes] + _SYSTEMATIC**2)
+    effect = getattr(model.parameters(), candidate.effect)
+    if isinstance(candidate, Asymmetry):  # half of the ratio's logarithm each
+        return {name: _around(getattr(effect, name), float(sd[0]) / 2) for name in ("theta_on", "theta_off")}
+    return {
+        name: _around(getattr(effect, name), float(one))
+        for name, one in zip(candidate.names, sd, strict=True)
+    }
+
+
+def _around(value: float, sd: float) -> Estimate:
+    ends = sorted((value * float(np.exp(-_90 * sd)), value * float(np.exp(_90 * sd))))
+    return Estimate(value=value, low=ends[0], high=ends[1])
+
+
+def _effect(diagnosis: Diagnosis, found: Found) -> Effect:
+    before = found.step
+    after = diagnosis.steps[[step is before for step in diagnosis.steps].index(True) + 1]
+    return Effect(
+        name=found.effect,
+        parameters=intervals(diagnosis.model, diagnosis.steps[-1], found.trial.candidate),
+        gap_before=before.held_out,
+        gap_after=after.held_out,
+        gap_floor=after.floor_held_out,
+        p_value=before.p_value,
+        rivals=list(found.rivals),
+        next_recording=next_recording(found.effect, found.rivals) if found.rivals else None,
+    )
+
+
+def _residual(diagnosis: Diagnosis) -> Residual | None:
+    one, last = diagnosis.residual, diagnosis.steps[-1]
+    if one is None:
+        return None
+    return Residual(
+        name="residual_drift" if one.trial.candidate.effect == "residual_drift" else "residual_noise",
+        formula=one.formula,
+        others=list(one.others),
+        gap_before=last.held_out,
+        gap_after=one.trial.held_out,
+        gap_floor=last.floor_held_out,
+        p_value=one.step.p_value,
+    )
+
+
+def _strata(found: Ranked) -> list[Stratum]:
+    """The worst of those that are beyond chance; of none, the worst few."""
+    order = found.order()
+    beyond = int((found.q < _BEYOND).sum())
+    return [
+        Stratum(
+            group=LABELS[i].group,
+            statistic=LABELS[i].name,
+            strata=dict(LABELS[i].strata),
+            z=float(found.z[i]),
+            q_value=float(found.q[i]),
+            measured=float(found.measured[i]),
+            expected=float(found.expected[i]),
+            unit="share" if COUNTS[i] else "value",
+            effect=Estimate(
+                value=float(found.difference[i]), low=float(found.low[i]), high=float(found.high[i])
+            ),
+        )
+        for i in order[: min(max(beyond, 5), MOST_STRATA)]
+    ]
+
+
+def _with_rivals(found: Found) -> str:
+    name = in_words(found.effect)
+    if not found.rivals:
+        return name
+    return f"{name} (or {' or '.join(map(in_words, found.rivals))}, which explain this recording as well)"
+
+
+def _fell(first: View, last: View) -> str:
+    if first is last:
+        return f"is {first.held_out:.2f}"
+    floor = f"where chance alone leaves {last.floor:.2f}"
+    return f"falls from {first.held_out:.2f} to {last.held_out:.2f}, {floor}"

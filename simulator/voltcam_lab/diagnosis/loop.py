@@ -1,0 +1,161 @@
+"""The loop: find the gap, name what is missing, add it, prove it on held-out data, look again."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from .catalogue import Candidate
+from .model import BASE, Model
+from .rig import Rig, Values
+from .search import Step, Trial, base_fitted, step_of
+from .unlisted import Residual, residual_of, residual_step
+
+Verdict = Literal["effects", "none", "unknown"]
+Report = Callable[[str], None]
+
+ALPHA = 0.01  # chance of a name where nothing is missing, over the whole catalogue
+LEAST_GAIN = 30.0  # of training loss: less could be the light between frames
+TOLERANCE = 0.25  # of the gap over its floor: what frames may leave open
+SHARE = 0.8  # of the gap over its floor: an effect that removes so much is named though not all is explained
+HELD_OUT_SHARE = 0.3  # of the training gain, by statistic, that held-out data must confirm
+AS_GOOD = 15.0  # of training loss: rivals that are no worse are not told apart
+DEEPEST = 4  # effects
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """An effect that was missing, the step that found it, and those that explain as much."""
+
+    trial: Trial
+    step: Step
+    rivals: tuple[str, ...]
+
+    @property
+    def effect(self) -> str:
+        """Its name in the registry."""
+        return self.trial.candidate.effect
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """What is missing, the model with it, and the steps of the search; the last one found nothing to add.
+
+    residual: a term of unknown mechanism, in the model, for part of a gap that no listed effect explains.
+    """
+
+    verdict: Verdict
+    found: tuple[Found, ...]
+    model: Model
+    steps: tuple[Step, ...]
+    residual: Residual | None = None
+
+
+def diagnose(
+    rig: Rig, data: Values, model: Model, candidates: Sequence[Candidate], report: Report
+) -> Diagnosis:
+    """Search what the model lacks to explain `data` (what the battery saw, as `Rig.observe` gives it)."""
+    report("Fitting the base parameters of the camera.")
+    step = step_of(rig, base_fitted(rig, model, data), data, candidates)
+    report(_sentence(step))
+    steps: list[Step] = [step]
+    found: list[Found] = []
+    while len(found) < DEEPEST and (trials := _promising(step)):
+        chain = _explained(rig, data, candidates, step, trials[0], report)
+        if chain is None:
+            break
+        for one, after in chain:
+            found.append(one)
+            steps.append(after)
+        step = steps[-1]
+    kept, model = _needed(found, step.model), step.model
+    verdict: Verdict = "effects" if kept else "unknown" if _excess(step) > TOLERANCE else "none"
+    residual = _residual(rig, data, step, report) if _excess(step) > TOLERANCE else None
+    if residual is not None:
+        model = residual.model
+    return Diagnosis(verdict, tuple(kept), model, tuple(steps), residual)
+
+
+def _residual(rig: Rig, data: Values, step: Step, report: Report) -> Residual | None:
+    report("No listed effect explains what is left: looking for a drift or a noise that does.")
+    open_step = residual_step(rig, step.model, data)
+    proven = _promising(open_step)
+    if not proven:
+        return None
+    residual = residual_of(open_step, proven[0])
+    report(f"It is best said as {residual.formula}.")
+    return residual
+
+
+def _explained(
+    rig: Rig,
+    data: Values,
+    candidates: Sequence[Candidate],
+    step: Step,
+    trial: Trial,
+    report: Report,
+    depth: int = 2,
+) -> list[tuple[Found, Step]] | None:
+    """The effects, each with the step after it, that explain the gap of `step` beginning with `trial`; None
+    where they leave too much of it."""
+    report(f"Trying {trial.candidate.effect}.")
+    after = step_of(rig, trial.model, data, _left(candidates, trial.model))
+    report(_sentence(after))
+    one = Found(trial, step, _rivals(step, trial))
+    removed = 1 - _excess(after) / max(_excess(step), 1e-9)
+    if _excess(after) <= TOLERANCE or removed >= SHARE:
+        return [(one, after)]
+    following = _promising(after)
+    if depth == 0 or not following:
+        return None
+    rest = _explained(rig, data, candidates, after, following[0], report, depth - 1)
+    return None if rest is None else [(one, after), *rest]
+
+
+def _promising(step: Step) -> list[Trial]:
+    """Trials that stand: beyond chance over the whole catalogue, worth it, and confirmed on held-out data."""
+    n = step.screen.spread.mean.shape[1]
+    if step.p_value > ALPHA:
+        return []
+    stand = []
+    for trial in step.trials:
+        gained, confirmed = step.training - trial.training, step.held_out - trial.held_out
+        if 3 * n * gained > LEAST_GAIN and confirmed > HELD_OUT_SHARE * gained:
+            stand.append(trial)
+    return stand
+
+
+def _rivals(step: Step, best: Trial) -> tuple[str, ...]:
+    n = 3 * step.screen.spread.mean.shape[1]
+    close = [t.candidate.effect for t in _promising(step) if n * (t.training - best.training) < AS_GOOD]
+    return tuple(dict.fromkeys(effect for effect in close if effect != best.candidate.effect))
+
+
+def _left(candidates: Sequence[Candidate], model: Model) -> list[Candidate]:
+    """Those that are not in the model."""
+    there = {(candidate.effect, candidate.names) for candidate, _ in model.accepted}
+    return [candidate for candidate in candidates if (candidate.effect, candidate.names) not in there]
+
+
+def _needed(found: list[Found], model: Model) -> list[Found]:
+    """Effects whose fitted size is not next to nothing."""
+    kept, place = [], len(BASE)
+    for one, (_, size) in zip(found, model.accepted, strict=True):
+        if np.exp(model.shift[place]) > 0.05:
+            kept.append(one)
+        place += len(size)
+    return kept
+
+
+def _excess(step: Step) -> float:
+    """The training gap over what chance leaves."""
+    return step.training - step.floor_training
+
+
+def _sentence(step: Step) -> str:
+    best = step.trials[0].candidate.effect if step.trials else "nothing"
+    return (
+        f"Gap {step.training:.2f} in training and {step.held_out:.2f} in held-out data, where chance leaves"
+        f" {step.floor_training:.2f}; {best} explains most of it."
+    )

@@ -1,0 +1,216 @@
+"""DIR/report.html: the diagnosis as a page that stands alone."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from markupsafe import Markup
+
+from voltcam_simulator.effect import Events
+
+from ..battery import COUNTS, LABELS
+from ..page import figure, render, table
+from . import figures_battery, figures_events
+from .conclude import in_words
+from .identify import Identifiability, mixed_up, percent, short, smallest
+from .loop import Diagnosis
+from .result import Effect, Estimate, Result
+from .rig import Rig, Values
+from .search import TWINS, Step
+from .session import Session
+from .where import Ranked, View, gap_by_group, numbers, plain, ranked, views
+
+RUNS = 4
+"""Of each model, for figures from events: one for each version of the light."""
+_TONE = {"effects": "warn", "none": "good", "unknown": "bad"}
+_HEADLINE = {
+    "effects": "Missing: {}",
+    "none": "Nothing is missing",
+    "unknown": "Something unknown is missing",
+}
+
+
+def page_of(session: Session, told: Identifiability, diagnosis: Diagnosis, result: Result) -> str:
+    """The page. A few runs more are made for what is drawn from events."""
+    models = views(session.rig, diagnosis, session.data)
+    return render(
+        "diagnosis.html",
+        title=f"Diagnosis of {session.name}",
+        subtitle=f"against the camera file {session.camera.name}: {session.looked_at()}",
+        tone=_TONE[result.verdict],
+        headline=_HEADLINE[result.verdict].format(", ".join(in_words(one.name) for one in result.effects)),
+        sentence=result.sentence,
+        cards=_cards(result),
+        gaps=_gaps(diagnosis),
+        effects=_effects(result.effects),
+        advice=[one for one in result.effects if one.next_recording],
+        tested=_tested(diagnosis.steps[-1]),
+        overview=_overview(session.data, models),
+        figures=[*_from_battery(session.rig, session.data, models), *_from_events(session, models)],
+        base=_base(told, diagnosis),
+        detectable=_detectable(told),
+        health=[finding.words for finding in session.health.findings if finding.severity != "good"],
+        result=result,
+        in_words=in_words,
+    )
+
+
+def _cards(result: Result) -> list[tuple[str, str, str]]:
+    """(figure, what it is, remark): what is seen first."""
+    before, after, floor = result.gap.before, result.gap.after, result.gap.floor
+    cards = [(f"{before:.2f}", "gap before", "base parameters fitted, held-out data")]
+    if before != after:
+        removed = (before - after) / max(before - floor, 1e-9)
+        cards += [(f"{after:.2f}", "gap after", f"{min(removed, 1):.0%} of what can be removed")]
+    cards += [(f"{floor:.2f}", "floor", "what chance alone leaves")]
+    if result.effects:
+        least = max(one.p_value for one in result.effects)
+        cards += [(_small(least), "p", "of such a gain by chance, over the whole catalogue")]
+    return cards
+
+
+def _gaps(diagnosis: Diagnosis) -> Markup:
+    names = ["camera file, base fitted"]
+    names += [f"+ {in_words(candidate.effect)}" for candidate, _ in diagnosis.steps[-1].model.accepted]
+    gaps = {
+        name: (step.held_out, step.floor_held_out) for name, step in zip(names, diagnosis.steps, strict=False)
+    }
+    if diagnosis.residual is not None:
+        gaps["+ a term of unknown origin"] = (diagnosis.residual.trial.held_out, [*gaps.values()][-1][1])
+    drawn = figures_battery.gaps(gaps)
+    caption = (
+        "The gap between model and measurement as effects are added: mean robust deviation of a statistic,"
+        " on a quarter of the recording that no fit has seen."
+    )
+    return figure(drawn, caption)
+
+
+def _effects(effects: Sequence[Effect]) -> Markup:
+    rows = []
+    for one in effects:
+        sizes = Markup("<br>").join(f"{name} = {_interval(size)}" for name, size in one.parameters.items())
+        gap = f"{one.gap_before:.2f} → {one.gap_after:.2f} ({one.gap_floor:.2f})"
+        rivals = ", ".join(map(in_words, one.rivals)) or "none"
+        rows.append([Markup("<b>{}</b>").format(one.name), sizes, gap, _small(one.p_value), rivals])
+    return table(["effect", "parameters, 90 % interval", "held-out gap (floor)", "p", "rivals"], rows)
+
+
+def _tested(step: Step) -> Markup:
+    """What else was fitted, last, and why it was not taken."""
+    rows = [
+        [trial.candidate.effect, ", ".join(trial.candidate.names), step.training - trial.training,
+         step.held_out - trial.held_out]
+        for trial in step.trials
+    ]  # fmt: skip
+    return table(["effect", "parameters", "less gap in training", "less gap held out"], rows)
+
+
+def _overview(data: Values, models: dict[str, View]) -> list[Markup]:
+    found = {name: ranked(view, data) for name, view in models.items()}
+    drawn = figures_battery.deviations(found)
+    by_group = {name: gap_by_group(view, data) for name, view in models.items()}
+    return [
+        figure(
+            figures_battery.gap_by_group(by_group),
+            "The gap by group of statistics; dark marks are what chance alone would leave.",
+        ),
+        figure(drawn, "Every statistic of the battery. In grey, where simulated twins of the model lie."),
+        _worst(found),
+    ]
+
+
+def _worst(found: dict[str, Ranked]) -> Markup:
+    """The strata that disagree most before, with what is left of them after."""
+    first, *_, last = (*found.values(), *found.values())
+    rows = []
+    for i in first.order()[:12]:
+        row: list[object] = [
+            plain(LABELS[i]), float(first.measured[i]), float(first.expected[i]), _difference(first, int(i)),
+            f"{first.z[i]:+.1f}", _small(float(first.q[i])),
+        ]  # fmt: skip
+        rows.append(row if first is last else [*row, f"{last.z[i]:+.1f}"])
+    head = ["statistic", "measured", "model", "difference, 90 %", "z", "FDR"]
+    return table(head if first is last else [*head, "z after"], rows)
+
+
+def _difference(found: Ranked, i: int) -> str:
+    one = (found.difference[i], found.low[i], found.high[i])
+    if COUNTS[i] and one[0] > 1:
+        return f"× {1 + one[0]:.3g} ({1 + one[1]:.3g} to {1 + one[2]:.3g})"
+    if COUNTS[i]:
+        return f"{one[0]:+.0%} ({one[1]:+.0%} to {one[2]:+.0%})"
+    return f"{one[0]:+.3g} ({one[1]:+.3g} to {one[2]:+.3g})"
+
+
+def _from_battery(rig: Rig, data: Values, models: dict[str, View]) -> list[tuple[str, Markup]]:
+    series = {"measured": numbers(data).sum(axis=0)}
+    series |= {name: numbers(view.expected).sum(axis=0) for name, view in models.items()}
+    setting = rig.setting
+    return [
+        ("Rates by brightness and speed", figure(
+            figures_battery.rate_surface(series, setting),
+            "Measured, events per pixel and second; models as a multiple: blue too few, red too many.")),
+        ("Intervals", figure(
+            figures_battery.interval_counts(series), "Time between two events of a pixel.")),
+        ("Response in time", figure(
+            figures_battery.lag_response(series),
+            "How much ln L had changed in each span before an event. What comes late has it further back.")),
+    ]  # fmt: skip
+
+
+def _from_events(session: Session, models: dict[str, View]) -> list[tuple[str, Markup]]:
+    rig = session.rig
+    streams = {"measured": [in_trusted_light(rig, session.recording.events)]}
+    for name, view in models.items():
+        runs = [rig.events(view.model.parameters(), seed) for seed in TWINS[:RUNS]]
+        streams[name] = [in_trusted_light(rig, run) for run in runs]
+    setting = rig.setting
+    return [
+        ("Pixels", figure(
+            figures_events.pixel_maps(streams, setting),
+            "Events per pixel, and how many spreads of chance models are off: blue too few, red too many.")),
+        ("Spectrum", figure(
+            figures_events.spectrum(streams, setting),
+            "Lamps on the mains make lines at 100 or 120 Hz; dotted: the mains and twice that.")),
+        ("Phase of the frame, and row scan", figure(
+            figures_events.frame_phase(streams, setting),
+            "Events that the camera's own frames make stand at one phase, or run down the rows.")),
+    ]  # fmt: skip
+
+
+def in_trusted_light(rig: Rig, events: Events) -> Events:
+    """Those that the battery looks at: where light between frames is known well enough."""
+    scene = rig.setting.scene
+    inside = events[(events["t"] >= scene.taken_us[0]) & (events["t"] <= scene.taken_us[-1])]
+    gap = np.clip(np.searchsorted(scene.taken_us, inside["t"], side="right") - 1, 0, len(scene.taken_us) - 2)
+    known: Any = scene.trusted()[gap, inside["y"].astype(np.int64) * scene.width + inside["x"]]
+    found: Events = inside[known]
+    return found
+
+
+def _base(told: Identifiability, diagnosis: Diagnosis) -> Markup:
+    fitted = diagnosis.model.parameters()
+    rows = [
+        [
+            f"{one.effect}.{one.name}", short(one.value),
+            short(getattr(getattr(fitted, one.effect), one.name)), f"± {percent(one.sd)}", one.answer,
+            mixed_up(one) or "–",
+        ]
+        for one in told.base
+    ]  # fmt: skip
+    return table(["parameter", "camera file", "fitted", "known to", "fixed", "mixed up with"], rows)
+
+
+def _detectable(told: Identifiability) -> list[Markup]:
+    """In two columns."""
+    rows = [[f"{one.effect}.{one.name}", smallest(one)] for one in told.effects]
+    half = -(-len(rows) // 2)
+    return [table(["effect", "seen from"], part) for part in (rows[:half], rows[half:]) if part]
+
+
+def _interval(one: Estimate) -> str:
+    return f"{short(one.value)} ({short(one.low)} to {short(one.high)})"
+
+
+def _small(p: float) -> str:
+    return f"{p:.2g}" if p >= 1e-6 else "< 10⁻⁶"

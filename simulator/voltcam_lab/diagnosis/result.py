@@ -1,0 +1,144 @@
+"""What a diagnosis gives to machines, DIR/result.json: the schema."""
+
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
+
+
+class _Record(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Estimate(_Record):
+    """A parameter's value and its 90 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+class Effect(_Record):
+    """An effect that the camera file lacks. Gaps are those of the step that found it, on held-out data."""
+
+    name: str = Field(description="as in the registry of effects, and in camera files")
+    parameters: dict[str, Estimate]
+    gap_before: float
+    gap_after: float
+    gap_floor: float = Field(description="what chance alone would leave")
+    p_value: float = Field(description="of as large a gain from anything in the catalogue, without an effect")
+    rivals: list[str] = Field(description="effects that explain this recording as well")
+    next_recording: str | None = Field(description="the recording that would tell it from its rivals")
+
+
+class Residual(_Record):
+    """A term of unknown mechanism that explains part of a gap which no listed effect does."""
+
+    name: Literal["residual_drift", "residual_noise"]
+    formula: str
+    others: list[str] = Field(description="forms that the recording cannot tell from it")
+    gap_before: float
+    gap_after: float
+    gap_floor: float
+    p_value: float
+
+
+class Stratum(_Record):
+    """A statistic of the battery that differs."""
+
+    group: str = Field(description="letter of the battery's group, A to J")
+    statistic: str
+    strata: dict[str, str]
+    z: float = Field(description="measured less expected, of the spread of simulated twins")
+    q_value: float = Field(description="false discovery rate (Benjamini and Hochberg)")
+    measured: float
+    expected: float
+    unit: Literal["share", "value"] = Field(
+        description="of the effect size: share of what is expected, or the statistic's own"
+    )
+    effect: Estimate = Field(description="effect size: measured less expected, with a 90 % interval")
+
+
+class Gap(_Record):
+    """Mean robust deviation per statistic on held-out data."""
+
+    before: float
+    after: float
+    floor: float
+
+
+class Known(_Record):
+    """A base parameter, and what the recording can tell of it. sd: of its logarithm."""
+
+    name: str
+    fixed: Literal["yes", "in part", "no"]
+    sd: float
+    mixed_with: dict[str, float] = Field(description="parameters that move with it, and the correlation")
+
+
+class Detectable(_Record):
+    """The smallest size of an effect that would be found; null: none would."""
+
+    name: str
+    parameter: str
+    size: float | None
+    unit: str
+
+
+class Identifiable(_Record):
+    """What the recording can tell at all, found before its events were looked at."""
+
+    base: list[Known]
+    effects: list[Detectable]
+
+
+class Seeds(_Record):
+    """Of random numbers; runs have seed * 2^20 + one of these."""
+
+    seed: int
+    twins: list[int]
+    signatures: list[int]
+    fitting: list[int]
+
+
+class Versions(_Record):
+    """Of the software."""
+
+    voltcam: str
+    numpy: str
+    python: str
+
+
+class Settings(_Record):
+    """What was looked at, and how."""
+
+    recording: str
+    camera: str
+    looked_at: str
+    seconds: float
+    columns: list[int] = Field(description="of the sensor that were looked at")
+    upsampling: str = Field(description="how light between frames was found")
+    not_searched: list[str] = Field(description="effects that the camera file has already, or cannot show")
+    alpha: float = Field(description="chance of a name where nothing is missing")
+
+
+class Result(_Record):
+    """A diagnosis of a recording against a camera file."""
+
+    verdict: Literal["effects", "none", "unknown"]
+    sentence: str = Field(description="the verdict for a person")
+    effects: list[Effect]
+    residual: Residual | None
+    where: list[Stratum] = Field(description="where the fitted camera file disagrees, worst first")
+    where_after: list[Stratum] = Field(description="the same with the effects added")
+    gap: Gap
+    identifiability: Identifiable
+    seeds: Seeds
+    versions: Versions
+    settings: Settings
+
+
+def schema() -> dict[str, Any]:
+    """The JSON schema of result.json."""
+    return {"$schema": SCHEMA_DIALECT, **Result.model_json_schema()}

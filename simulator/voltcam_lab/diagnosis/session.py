@@ -1,0 +1,252 @@
+"""A recording made ready for diagnosis, and runs that are kept on disk so that it can be interrupted."""
+
+import hashlib
+import threading
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from voltcam_client.formats import Recording
+from voltcam_simulator import Camera, Parameters
+from voltcam_simulator.kernel import CACHE_FOLDER
+
+from ..battery import Setting, setting_of
+from ..health import Health, examine
+from ..scene import Scene, scene_of
+from .catalogue import Asymmetry, Candidate, catalogue
+from .clues import clues
+from .model import Model
+from .rig import Rig, Values
+
+MOST_PIXELS = 3600
+MOST_SECONDS = 10.0
+FEWEST_FRAMES = 10
+_TRUSTED = 0.9
+_SEEDS_APART = 1 << 20  # a multiple of the versions of light, which a seed's remainder chooses
+
+Batch = Callable[[int], None]
+Done = Callable[[], None]
+
+
+class DiagnosisError(ValueError):
+    """A recording that cannot be diagnosed: what is wrong with it and what to do, in one line."""
+
+
+class StoredRig(Rig):
+    """A rig that keeps what it saw of each run in `folder`, and takes it from there when asked again.
+
+    batch(n): n runs begin; done(): one of them has ended. Seeds of runs are moved by `seed`.
+    """
+
+    def __init__(
+        self, setting: Setting, folder: Path, seed: int = 0, batch: Batch = lambda _: None,
+        done: Done = lambda: None, threads: int | None = None,
+    ) -> None:  # fmt: skip
+        super().__init__(setting, threads)
+        self.batch, self.done = batch, done
+        self._folder, self._seed = folder, seed
+        self._digest = _digest(setting)
+        folder.mkdir(parents=True, exist_ok=True)
+
+    def events(self, parameters: Parameters, seed: int) -> NDArray[np.void]:
+        """The events of one run."""
+        return super().events(parameters, seed + _SEEDS_APART * self._seed)
+
+    def run(self, parameters: Parameters, seed: int) -> Values:
+        """(PARTS, n) what the battery sees of one run, comparable."""
+        key = f"{self._digest} {self._seed} {seed} {parameters.model_dump_json()}"
+        path = self._folder / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.npy"
+        values = _read(path)
+        if values is None:
+            values = super().run(parameters, seed)
+            partial = path.with_suffix(f".{threading.get_ident()}.partial")
+            with partial.open("wb") as file:
+                np.save(file, values)
+            partial.replace(path)
+        self.done()
+        return values
+
+    def runs(self, jobs: Iterable[tuple[Parameters, int]]) -> list[Values]:
+        """Many runs, on all cores."""
+        jobs = list(jobs)
+        self.batch(len(jobs))
+        return super().runs(jobs)
+
+    def forget(self) -> None:
+        """Remove what is on disk."""
+        for path in self._folder.glob("*"):
+            path.unlink(missing_ok=True)
+        self._folder.rmdir()
+
+
+@dataclass(frozen=True, eq=False)
+class Session:
+    """All that `loop.diagnose` asks for, and what was looked at.
+
+    recording: of the sample only, x counted in `columns` (those of the sensor that it has). camera: as given,
+    of the recording's size. left_out: effects that are in the camera file, or cannot show in the sample.
+    """
+
+    name: str
+    recording: Recording
+    camera: Camera
+    health: Health
+    columns: NDArray[np.int64]
+    rig: StoredRig
+    data: Values
+    candidates: tuple[Candidate, ...]
+    left_out: tuple[str, ...]
+    seed: int
+
+    @property
+    def model(self) -> Model:
+        """Where the search starts."""
+        return Model(self.camera.parameters)
+
+    @property
+    def seconds(self) -> float:
+        """Of the recording that are looked at."""
+        t_us = self.rig.setting.scene.t_us
+        return float(t_us[-1] - t_us[0]) * 1e-6
+
+    def looked_at(self) -> str:
+        """In words."""
+        shown, height, all_columns = len(self.columns), self.recording.height, self.camera.width
+        pixels = f"all {shown} x {height} pixels" if shown == all_columns else (
+            f"{shown} of {all_columns} columns ({_spans(self.columns)}), all {height} rows"
+        )  # fmt: skip
+        return (
+            f"{self.seconds:.2f} s, {pixels}, {len(self.recording.events)} events,"
+            f" {len(self.rig.setting.frame_t_us)} frames"
+        )
+
+
+def session_of(
+    recording: Recording, camera: Camera, folder: Path, *, name: str = "the recording", seed: int = 0,
+    seconds: float = MOST_SECONDS, most_pixels: int = MOST_PIXELS,
+) -> Session:  # fmt: skip
+    """Make a recording (as voltcam_lab.recordings.load gives it) ready; runs go to `folder`.
+
+    Raises DiagnosisError where a diagnosis makes no sense.
+    """
+    health = examine(recording)
+    if health.fatal:
+        raise DiagnosisError(f"{name}: {'; '.join(finding.words for finding in health.fatal)}")
+    recording = cut(recording, seconds)
+    if recording.frames is None or recording.frame_t_us is None or len(recording.frames) < FEWEST_FRAMES:
+        raise DiagnosisError(
+            f"{name} has fewer than {FEWEST_FRAMES} frames in {seconds:g} s: give more of it"
+        )
+    camera = camera.model_copy(update={"width": recording.width, "height": recording.height})
+    columns = sample(recording, most_pixels)
+    scene = seen(recording.frames, recording.frame_t_us, columns)
+    part = in_columns(recording, columns)
+    if not len(part.events):
+        raise DiagnosisError(f"{name} has no events while there are frames: are both on one clock?")
+    setting = setting_of(scene, recording.frame_t_us, None, recording.exposure_us, camera.parameters)
+    rig = StoredRig(setting, folder, seed)
+    row_us = health["row readout"].numbers["us_per_row"]
+    wanted: list[Candidate] = []
+    left_out: list[Candidate] = []
+    for one in catalogue(clues(setting, part.events, row_us)):
+        off_axis = one.effect == "vignetting" and len(columns) < recording.width
+        (left_out if off_axis or _is_on(one, camera.parameters) else wanted).append(one)
+    return Session(
+        name, part, camera, health, columns, rig, rig.observe(part.events), tuple(wanted),
+        tuple(dict.fromkeys(one.effect for one in left_out)), seed,
+    )  # fmt: skip
+
+
+def cut(recording: Recording, seconds: float) -> Recording:
+    """The first seconds of it; events between its first and last frame."""
+    assert recording.frame_t_us is not None
+    assert recording.frames is not None
+    kept = recording.frame_t_us <= recording.frame_t_us[0] + seconds * 1e6
+    frame_t_us, t_us = recording.frame_t_us[kept], recording.events["t"]
+    exposure_us = None if recording.exposure_us is None else recording.exposure_us[kept]
+    return replace(
+        recording,
+        frames=recording.frames[kept],
+        frame_t_us=frame_t_us,
+        exposure_us=exposure_us,
+        events=recording.events[(t_us >= frame_t_us[0]) & (t_us <= frame_t_us[-1])],
+    )
+
+
+def sample(recording: Recording, most: int) -> NDArray[np.int64]:
+    """Columns to look at, ascending: all, or two strips, where light changes most and where it does little.
+
+    Rows are kept whole and complete, since readout goes by rows.
+    """
+    assert recording.frames is not None
+    if recording.width * recording.height <= most:
+        return np.arange(recording.width)
+    wide = max(6, most // recording.height // 2)
+    grey = recording.frames[:: max(1, len(recording.frames) // 50)].astype(np.float32)
+    change = np.abs(np.diff(np.log(grey + 20), axis=0)).mean(axis=(0, 1))
+    strips = change[: recording.width // wide * wide].reshape(-1, wide).mean(axis=1)
+    order = np.argsort(-strips, kind="stable")
+    chosen = sorted({int(order[0]), int(order[len(order) * 2 // 3])})
+    return np.concatenate([np.arange(wide) + wide * strip for strip in chosen])
+
+
+def in_columns(recording: Recording, columns: NDArray[np.int64]) -> Recording:
+    """The recording of a sensor that has only these columns."""
+    place = np.full(recording.width, -1)
+    place[columns] = np.arange(len(columns))
+    events = recording.events[place[recording.events["x"]] >= 0].copy()
+    events["x"] = place[events["x"]]
+    assert recording.frames is not None
+    return replace(recording, events=events, frames=recording.frames[:, :, columns], width=len(columns))
+
+
+def seen(frames: NDArray[np.uint8], t_us: NDArray[np.int64], columns: NDArray[np.int64]) -> Scene:
+    """The light between frames, by whichever way of filling in tells them best; of some columns."""
+    cubic = scene_of(frames[:, :, columns], t_us, "cubic")
+    if cubic.trusted().mean() > _TRUSTED:
+        return cubic
+    auto = scene_of(frames, t_us, "auto")  # motion is seen in whole frames
+    surprise = auto.surprise.reshape(len(t_us), auto.height, auto.width)[:, :, columns]
+    auto = Scene(auto.taken[:, :, columns], t_us, auto.images[:, :, columns], auto.t_us, "auto")
+    auto.__dict__["surprise"] = surprise.reshape(len(t_us), -1)  # its own would come from narrow strips
+    return auto if auto.trusted().mean() > cubic.trusted().mean() else cubic
+
+
+def _is_on(candidate: Candidate, parameters: Parameters) -> bool:
+    if isinstance(candidate, Asymmetry):
+        return False
+    effect, name = getattr(parameters, candidate.effect), candidate.names[0]
+    return bool(effect.active and getattr(effect, name) != type(effect).model_fields[name].default)
+
+
+def _spans(columns: NDArray[np.int64]) -> str:
+    runs = np.split(columns, np.flatnonzero(np.diff(columns) > 1) + 1)
+    return " and ".join(f"{run[0]} to {run[-1]}" for run in runs)
+
+
+def _digest(setting: Setting) -> str:
+    """Of all that a run depends on, beside parameters and seed."""
+    scene, digest = setting.scene, hashlib.sha256(CACHE_FOLDER.name.encode())
+    for array in (
+        scene.taken,
+        scene.taken_us,
+        scene.images,
+        scene.t_us,
+        setting.pixels,
+        setting.frame_starts_us,
+    ):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    digest.update(setting.parameters.model_dump_json().encode())
+    for source in sorted(Path(__file__).parents[1].rglob("*.py")):
+        digest.update(source.read_bytes())
+    return digest.hexdigest()
+
+
+def _read(path: Path) -> Values | None:
+    try:
+        return np.asarray(np.load(path), np.float64)
+    except (OSError, ValueError, EOFError):  # not there, or cut off
+        return None

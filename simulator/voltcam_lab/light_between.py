@@ -1,0 +1,73 @@
+"""Light that frames tell of, less what cameras and interpolation add: noise at rest, blur between frames.
+
+A simulator takes both for changes of the light: noise from frame to frame, and, once a frame, the change from
+sharp to blurred and back, since frames moved by parts of a pixel and laid over one another blur.
+"""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter, gaussian_filter1d, laplace, uniform_filter1d
+
+from .scene import USUAL_DARK_DN, Scene, scene_of
+
+NOISIEST_DN = 3.0  # of a difference between frames: more is motion
+STILL_FRAMES = 5
+NEAR_PIXELS = 1.5  # noise is a pixel's own, motion is its neighbours', too
+WIDEST = 0.8  # pixels: the blur of linear interpolation half-way between four pixels is 0.7
+HALVINGS = 5
+ALIKE = 1.02  # ratio of powers that needs no blur
+WHITE_DN = 255.0
+
+Image = NDArray[np.float32]
+
+
+def calmed(scene: Scene) -> Scene:
+    """The scene of frames that are the mean of STILL_FRAMES where these differ by no more than noise does, and as
+    they were where they differ by more than twice that."""
+    frames = scene.taken.astype(np.float32)
+    noise2 = float(np.mean(np.minimum(np.diff(frames, axis=0) ** 2, NOISIEST_DN**2))) / 2
+    mean = uniform_filter1d(frames, STILL_FRAMES, axis=0, mode="nearest")
+    differing = gaussian_filter((frames - mean) ** 2, (1.0, NEAR_PIXELS, NEAR_PIXELS))
+    moving = np.clip(differing / max(noise2, 1e-6) - 1, 0, 1)
+    return scene_of(mean + moving * (frames - mean), scene.taken_us, scene.how)
+
+
+def evened(scene: Scene) -> Scene:
+    """All images blurred as the blurriest one between the same two frames is. What was taken stays as it is."""
+    power = np.array([_power(image) for image in scene.images])
+    edges = np.searchsorted(scene.t_us, scene.taken_us)
+    least = np.array([power[i : j + 1].min() for i, j in zip(edges[:-1], edges[1:], strict=True)])
+    middle = 0.5 * (scene.taken_us[1:] + scene.taken_us[:-1])
+    wanted = np.interp(scene.t_us, middle, gaussian_filter1d(least, 1.0))
+    even = [
+        _blurred_to(image, most) if own > ALIKE * most else image
+        for image, own, most in zip(scene.images, power, wanted.tolist(), strict=True)
+    ]
+    return replace(scene, images=np.stack(even))
+
+
+def sharpened(scene: Scene, amount: float) -> Scene:
+    """Each image plus `amount` times what a Gaussian of one pixel takes away from it."""
+    blurred = gaussian_filter(scene.images, (0, 1, 1))
+    highest = max(WHITE_DN, float(scene.images.max(initial=0)))
+    return replace(scene, images=np.clip(scene.images + np.float32(amount) * (scene.images - blurred), 0, highest))
+
+
+def _power(image: NDArray[Any]) -> float:
+    """Of the finest structure, in ln L: what pixels see of it."""
+    return float(np.mean(laplace(np.log(image + np.float32(USUAL_DARK_DN))) ** 2))
+
+
+def _blurred_to(image: Image, power: float) -> Image:
+    low, high = 0.0, WIDEST
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        if _power(gaussian_filter(image, middle)) > power:
+            low = middle
+        else:
+            high = middle
+    blurred: Image = gaussian_filter(image, 0.5 * (low + high))
+    return blurred

@@ -1,0 +1,332 @@
+"""A camera's parameters refined by simulation: what the likelihood of single intervals cannot tell.
+
+The light itself (how sharp, how a grey level stands for light), how late events are and why, noise out of the
+blue, readout: each changes what a simulation gives out, so it is tried, with the same random numbers each time
+(Gourieroux, Monfort, Renault 1993; coordinate search as Hooke and Jeeves 1961). Steps are judged on one part of
+the pixels; a mechanism, or other light, stays only if the other part, which saw no steps, comes closer too.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from voltcam_simulator import Parameters
+
+from .distances import Light, Region, by_pixels
+from .goal import Goal
+from .replay import Replay
+from .scene import Scene
+from .light_between import calmed, evened, sharpened
+
+DEVELOPED_PIXELS = 12  # side of the tiles, every other one of which judges what is kept
+LONGEST = 40e6  # pixels times images of light that are simulated: the busiest stretch of more than that
+WHITE_DN = 255.0
+DARK_DN = 4.0  # grey levels below that are near a camera's black, where they tell least of the light
+BETTER = 0.998  # of the score, for what is new to stay
+SHARPENING = (0.15, 0.3, 0.45)
+
+Point = Mapping[str, float]
+"""Coordinates of the search; positive, except that what may be absent is 0 then.
+
+gain: events for a change of ln (grey level) where it is bright, k1 times gamma. knee_dn: grey level that stands
+for a light of k2. So curvature (gamma), dark level and gain can each be moved without the others."""
+
+CORE = ("gain", "on_over_off", "knee_dn", "delay_us", "period_us")
+Offers = tuple[tuple[str, tuple[float, ...]], ...]
+OFFERED: Offers = (
+    ("gamma", (0.75, 0.55, 1.35)),
+    ("threshold_spread", (0.05, 0.12)),
+    ("reset_spread", (0.03, 0.08)),
+    ("coupling", (0.001, 0.003, 0.008)),
+    ("cutoff_hz", (1500.0, 500.0, 200.0)),
+    ("jitter_us", (100.0, 500.0)),
+    ("k4_per_us", (1e-8, 1e-7)),
+    ("k5_per_dn_us", (1e-10, 1e-9)),
+    ("leak_spread", (0.3,)),
+    ("k3", (3e-4, 1e-3)),
+    ("k6", (3e-5, 1e-4)),
+    ("shot_c", (3e-3, 1e-2)),
+    ("pairs_hz", (0.03, 0.3)),
+    ("hot", (3e-4, 3e-3)),
+)
+"""Mechanisms that may be there or not, the likely ones first, and sizes to try them at."""
+
+BENT = ("gain", "knee_dn", "on_over_off")
+ABSENT = {name: 0.0 for name, _ in OFFERED} | {"gamma": 1.0}
+PLACES = {
+    "delay_us": ("latency", "delay_us"),
+    "jitter_us": ("latency", "jitter_us"),
+    "period_us": ("refractory_period", "period_us"),
+    "gamma": ("input_response", "gamma_exponent"),
+    "threshold_spread": ("threshold_mismatch", "sigma"),
+    "reset_spread": ("reset_noise", "sigma"),
+    "coupling": ("crosstalk", "coupling"),
+    "cutoff_hz": ("photoreceptor_bandwidth", "cutoff_hz"),
+    "k3": ("photon_noise", "k3"),
+    "k4_per_us": ("junction_leak", "k4_per_us"),
+    "k5_per_dn_us": ("parasitic_photocurrent", "k5_per_dn_us"),
+    "leak_spread": ("leak_mismatch", "sigma"),
+    "k6": ("leak_noise", "k6"),
+    "shot_c": ("low_light_shot_noise", "c"),
+    "pairs_hz": ("noise_pairs", "rate_hz"),
+    "hot": ("hot_pixels", "fraction"),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Refined:
+    """parameters: of the camera. scene: the light they belong to; light: what was done to it. kept: mechanisms that are there; dropped: tried, of no use. before, after: scores of the pixels that
+    took part in no step."""
+
+    parameters: Parameters
+    scene: Scene
+    light: str
+    kept: tuple[str, ...]
+    dropped: tuple[str, ...]
+    before: float
+    after: float
+
+
+def refine(
+    events: NDArray[np.void],
+    scene: Scene,
+    light: Light,
+    fitting: Region,
+    start: Parameters,
+    seed: int = 0,
+    report: Callable[[str], None] = lambda step: None,
+) -> Refined:
+    """Parameters near `start` whose events in `fitting` are closest to the recording's.
+
+    events (EVENT): the recording's, in order of time; light: its frames. Effects that the search has no
+    coordinate for stay as they are in `start`.
+    """
+    part = _busiest(events, scene, fitting)
+    search = _Search(
+        start,
+        *(Goal(events, half, light) for half in by_pixels(part, DEVELOPED_PIXELS)),
+        scene,
+        part,
+        seed,
+        report,
+    )
+    point = point_of(start)
+    before = search.unseen(point)
+    point = search.first(point)
+    point, kept = search.offered(point, OFFERED[:1])
+    point, light_between, done = search.light(point)
+    point, kept = search.offered(point, OFFERED[1:])
+    point = search.polished(point, CORE + kept)
+    point, kept = search.without_needless(point, kept)
+    return Refined(
+        parameters=parameters_of(point, start),
+        scene=light_between,
+        light=done,
+        kept=kept,
+        dropped=tuple(name for name, _ in OFFERED if name not in kept),
+        before=before,
+        after=search.unseen(point),
+    )
+
+
+def point_of(parameters: Parameters) -> dict[str, float]:
+    """Coordinates of a camera."""
+    comparator, response = parameters.comparator, parameters.contrast_response
+    point = {name: float(getattr(getattr(parameters, at), key)) for name, (at, key) in PLACES.items()}
+    unit = math.sqrt(comparator.theta_on * comparator.theta_off)
+    for name in ("reset_spread", "coupling", "k3", "k4_per_us", "k5_per_dn_us", "k6", "shot_c"):
+        point[name] /= unit
+    gamma = point["gamma"]
+    return point | {
+        "gain": response.k1 * gamma / unit,
+        "on_over_off": comparator.theta_on / comparator.theta_off,
+        "knee_dn": WHITE_DN * (response.k2_dn / WHITE_DN) ** (1 / gamma),
+    }
+
+
+def parameters_of(point: Point, base: Parameters) -> Parameters:
+    """The camera at these coordinates; the rest as in `base`. Raises pydantic's ValidationError, a ValueError,
+    where they are outside of what parameters may be."""
+    changes: dict[str, dict[str, float]] = {}
+    for name, (effect, parameter) in PLACES.items():
+        changes.setdefault(effect, {})[parameter] = point[name]
+    gamma, ratio = point["gamma"], math.sqrt(point["on_over_off"])
+    changes["contrast_response"] = {
+        "k1": point["gain"] / gamma,
+        "k2_dn": WHITE_DN * (point["knee_dn"] / WHITE_DN) ** gamma,
+    }
+    changes["comparator"] = {"theta_on": ratio, "theta_off": 1 / ratio}
+    return base.changed(changes)
+
+
+def _response(point: Point, grey_dn: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Voltage of grey levels, from that of the first one on."""
+    gamma = point["gamma"]
+    light = np.log(grey_dn**gamma + point["knee_dn"] ** gamma)
+    return np.asarray(point["gain"] / gamma * (light - light[0]))
+
+
+def _bent(point: Point, gamma: float) -> dict[str, float]:
+    """Another gamma, and the gain and knee with which all but the dark responds as before."""
+    grey_dn = np.geomspace(DARK_DN, WHITE_DN / 2, 30)
+    wanted = _response(point, grey_dn)
+
+    def at(log: NDArray[np.float64]) -> dict[str, float]:
+        return {**point, "gamma": gamma, "gain": math.exp(log[0]), "knee_dn": math.exp(log[1])}
+
+    start = np.log([point["gain"], point["knee_dn"]])
+    ends = start - 3, start + 3
+    found = least_squares(lambda log: _response(at(log), grey_dn) - wanted, start, bounds=ends)
+    return at(found.x)
+
+
+def _busiest(events: NDArray[np.void], scene: Scene, region: Region) -> Region:
+    """The region in the stretch with most events that is short enough to be simulated often."""
+    pixels = scene.width * scene.height
+    images = max(int(LONGEST / pixels), 2)
+    if len(scene.t_us) <= images:
+        return region
+    t_us = np.sort(region.of(events)["t"])
+    starts = np.arange(0, len(scene.t_us) - images + 1, max(images // 8, 1))
+    edges = scene.t_us[starts], scene.t_us[starts + images - 1]
+    counts = np.searchsorted(t_us, edges[1]) - np.searchsorted(t_us, edges[0])
+    best = int(np.argmax(counts))
+    return region.during(np.array([[edges[0][best], edges[1][best]]], np.int64))
+
+
+@dataclass
+class _Search:
+    start: Parameters
+    seen: Goal
+    other: Goal
+    scene: Scene
+    region: Region
+    seed: int
+    report: Callable[[str], None]
+
+    def __post_init__(self) -> None:
+        self.replay = Replay.of(self.scene, self.region)
+
+    def score(self, point: Point) -> float:
+        """What steps are judged by; inf where there is no such camera."""
+        try:
+            return self.seen.score(self._events(point))
+        except ValueError:
+            return math.inf
+
+    def unseen(self, point: Point) -> float:
+        """What decides whether something new stays."""
+        return self.other.score(self._events(point))
+
+    def _events(self, point: Point) -> NDArray[np.void]:
+        return self.replay.events(parameters_of(point, self.start), self.seed)
+
+    def moved(
+        self, point: Point, names: tuple[str, ...], size: float, rounds: int, best: float | None = None
+    ) -> tuple[dict[str, float], float]:
+        """Coordinate search: each name up and down by its step, which grows with what helps and shrinks with
+        what does not. Returns the best point, and its score."""
+        point, best = dict(point), self.score(point) if best is None else best
+        sizes = dict.fromkeys(names, size)
+        for _ in range(rounds):
+            for name in names:
+                for sign in (1, -1):
+                    tried = point | {name: point[name] * math.exp(sign * sizes[name])}
+                    value = self.score(tried)
+                    if value < best:
+                        point, best, sizes[name] = tried, value, sign * sizes[name] * 1.4
+                        break
+                else:
+                    sizes[name] *= 0.4
+        return point, best
+
+    def first(self, point: Point) -> dict[str, float]:
+        """What the likelihood took for noise may be error of the light: without, if that is closer."""
+        self.report("refine: noise")
+        point = dict(point)
+        point["delay_us"], point["period_us"] = max(point["delay_us"], 100.0), max(point["period_us"], 100.0)
+        best = self.score(point)
+        for names in (("reset_spread",), ("k3", "k6"), ("k4_per_us", "k5_per_dn_us"), ("threshold_spread",)):
+            for share in (0.0, 0.3):
+                tried = point | {name: share * point[name] for name in names}
+                value = self.score(tried)
+                if value < best:
+                    point, best = tried, value
+        self.report("refine: thresholds, delay")
+        return self.moved(point, CORE, 0.3, 6, best)[0]
+
+    def light(self, point: dict[str, float]) -> tuple[dict[str, float], Scene, str]:
+        """The point with the light that is closest, and what was done to it; the simplest first."""
+        unseen = self.unseen(point)
+        found, best, scene, done = point, self.score(point), self.scene, "as it was"
+        bases = [(self.scene, ""), (calmed(self.scene), "calmed")]
+        for base, calm in bases:
+            tries = [(base, calm)] if calm else []
+            even = evened(base)
+            tries += [(sharpened(even, x), f"{calm} evened, sharpened by {x:g}".strip()) for x in SHARPENING]
+            for light, words in tries:
+                self.report(f"refine: light {words}")
+                former, self.replay = self.replay, Replay.of(light, self.region)
+                tried, value = self.moved(found, ("gain", "on_over_off"), 0.1, 3)
+                if value < best * BETTER and (other := self.unseen(tried)) < unseen * BETTER:
+                    found, best, unseen, scene, done = tried, value, other, light, words
+                else:
+                    self.replay = former
+        return found, scene, done
+
+    def offered(
+        self, point: dict[str, float], offers: Offers
+    ) -> tuple[dict[str, float], tuple[str, ...]]:
+        """The point with those mechanisms that help pixels which did not choose them, and all that are there."""
+        kept = [name for name, _ in OFFERED if point[name] != ABSENT[name]]
+        best, unseen = self.score(point), self.unseen(point)
+        for name, values in offers:
+            if name in kept and name != "gamma":
+                continue
+            self.report(f"refine: {name}")
+            points = [self._with(point, name, x) for x in values]
+            if name == "gamma":  # bends all that the other coordinates were chosen for
+                points = [self.moved(tried, BENT, 0.2, 3)[0] for tried in points]
+            tries = [(self.score(tried), tried) for tried in points]
+            value, tried = min(tries, key=lambda each: each[0])
+            if value < best * 1.05:  # what stands in its place is in the way
+                tried, value = self.moved(tried, (name, "gain"), 0.2, 2, value)
+            if value >= best * BETTER:
+                continue
+            other = self.unseen(tried)
+            if other < unseen * BETTER:
+                point, best, unseen = tried, value, other
+                kept += [name] if name not in kept else []
+        return point, tuple(kept)
+
+    def _with(self, point: dict[str, float], name: str, value: float) -> dict[str, float]:
+        """A mechanism at a size; what it makes late is taken from the delay, what it bends from the gain."""
+        changed = point | {name: value}
+        if name == "gamma":
+            return _bent(point, value)
+        if name == "cutoff_hz":
+            changed["delay_us"] = max(point["delay_us"] - 2e6 / (2 * math.pi * value), 1.0)
+        return changed
+
+    def polished(self, point: dict[str, float], names: tuple[str, ...]) -> dict[str, float]:
+        """All at once."""
+        self.report("refine: all")
+        return self.moved(point, names, 0.1, 5)[0]
+
+    def without_needless(
+        self, point: dict[str, float], kept: tuple[str, ...]
+    ) -> tuple[dict[str, float], tuple[str, ...]]:
+        """Less what neither part misses."""
+        self.report("refine: what is needed")
+        best, unseen = self.score(point), self.unseen(point)
+        for name in kept:
+            tried = point | {name: ABSENT[name]}
+            value = self.score(tried)
+            if value * BETTER < best and self.unseen(tried) * BETTER < unseen:
+                point, best, unseen = tried, value, self.unseen(tried)
+                kept = tuple(other for other in kept if other != name)
+        return point, kept

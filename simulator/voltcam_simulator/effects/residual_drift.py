@@ -1,0 +1,64 @@
+"""A drift nobody has a name for, as a diagnosis finds it."""
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ..effect import Band, Effect, quantity
+from ..kernel import kernel
+
+REFERENCE_DN = 128.0
+
+
+class ResidualDrift(Effect):
+    """Drift per_us ((L + dark_dn)/(128 + dark_dn))^power (1 + across u + down v), u and v from -1 to 1 over the
+    image: what is left to say of a drift whose mechanism is unknown.
+    """
+
+    signature: ClassVar[str] = "ON or OFF events at rest that no known effect gives, smooth in brightness and place"
+    steady: ClassVar[bool] = True
+
+    per_us: float = quantity(
+        0.0, unit="1/us", ge=-1, le=1, meaning="drift at 128 DN in the middle of the image",
+        source="found by voltcam diagnose; the leak of a DAVIS346 there is 7.4e-7",
+    )  # fmt: skip
+    power: float = quantity(
+        0.0, unit="1", ge=-4, le=4, meaning="how it goes with brightness",
+        source="found by voltcam diagnose",
+    )  # fmt: skip
+    dark_dn: float = quantity(
+        20.0, unit="DN", gt=0, le=1000, meaning="added to the brightness", source="as k2 (assumed)"
+    )
+    across: float = quantity(
+        0.0, unit="1", ge=-100, le=100, meaning="growth from the middle to the right edge, relative",
+        source="found by voltcam diagnose",
+    )  # fmt: skip
+    down: float = quantity(
+        0.0, unit="1", ge=-100, le=100, meaning="growth from the middle to the lower edge, relative",
+        source="found by voltcam diagnose",
+    )  # fmt: skip
+
+    @property
+    def active(self) -> bool:
+        return self.per_us != 0
+
+    def drift(self, band: Band) -> None:
+        sensor = band.sensor
+        place = (band.first_row, sensor.width, sensor.height)
+        add_power(
+            band.light_before, band.light, self.per_us * band.span_us, self.power, self.dark_dn,
+            self.across, self.down, *place, band.drift,
+        )  # fmt: skip
+
+
+@kernel
+def add_power(
+    first: Any, last: Any, size: Any, power: Any, dark: Any, across: Any, down: Any, first_row: Any, width: Any,
+    height: Any, drift: Any,
+) -> None:  # fmt: skip
+    scale = 1 / (REFERENCE_DN + dark)
+    for i in range(drift.shape[0]):
+        u = 2.0 * (i % width) / max(width - 1, 1) - 1
+        v = 2.0 * (first_row + i // width) / max(height - 1, 1) - 1
+        level = (0.5 * (first[i] + last[i]) + dark) * scale
+        drift[i] += np.float32(size * level**power * (1 + across * u + down * v))

@@ -1,0 +1,105 @@
+"""A recording put to the diagnosis, and what it says."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Literal
+
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict
+
+from voltcam_client.formats import Recording
+from voltcam_lab.diagnosis.catalogue import Candidate
+from voltcam_lab.diagnosis.conclude import intervals
+from voltcam_lab.diagnosis.loop import Diagnosis, diagnose
+from voltcam_lab.diagnosis.result import Estimate
+from voltcam_lab.diagnosis.rig import Rig
+from voltcam_lab.diagnosis.session import session_of
+from voltcam_simulator import Camera, Parameters
+
+# Published sets (DVS-Voltmeter, ECCV 2022), of which a camera file knows the camera's own.
+_DAVIS240C: dict[str, dict[str, Any]] = {
+    "contrast_response": {"k1": 4.42411, "k2_dn": 23},
+    "photon_noise": {"k3": 2e-4},
+    "parasitic_photocurrent": {"k5_per_dn_us": 5e-8},
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """All that the diagnosis gets. without: effect to leave out of the catalogue; twice: one to list again."""
+
+    events: NDArray[Any]
+    frames: NDArray[Any]
+    frame_t_us: NDArray[Any]
+    width: int
+    height: int
+    camera: str  # whose published set is the camera file
+    without: str | None = None
+    twice: str | None = None
+
+
+class Named(BaseModel):
+    """An effect that the diagnosis named."""
+
+    model_config = ConfigDict(frozen=True)
+
+    name: str
+    rivals: tuple[str, ...] = ()
+    parameters: dict[str, Estimate] = {}
+
+
+class Verdict(BaseModel):
+    """What it said. Gaps are on held-out data; the p-value is that of the first step."""
+
+    model_config = ConfigDict(frozen=True)
+
+    verdict: Literal["effects", "none", "unknown"]
+    effects: tuple[Named, ...] = ()
+    formula: str = ""  # of the generic term that explains part of an unknown effect
+    gap_before: float
+    gap_after: float
+    gap_floor: float
+    p_value: float
+
+
+def ask(question: Question) -> Verdict:
+    """The diagnosis' verdict, on one thread."""
+    camera = Camera(name=question.camera, width=question.width, height=question.height)
+    camera = camera.model_copy(update={"parameters": _published(question.camera)})
+    recording = Recording(
+        question.events, question.width, question.height, question.frames, question.frame_t_us
+    )
+    with TemporaryDirectory() as folder:
+        session = session_of(recording, camera, Path(folder))
+    rig = Rig(session.rig.setting, threads=1)
+    candidates = _sabotaged(session.candidates, question)
+    diagnosis = diagnose(rig, session.data, session.model, candidates, lambda _: None)
+    return _verdict(diagnosis)
+
+
+def _published(camera: str) -> Parameters:
+    paper = Parameters.of("paper")
+    return paper if camera == "davis346" else paper.changed(_DAVIS240C)
+
+
+def _sabotaged(candidates: tuple[Candidate, ...], question: Question) -> list[Candidate]:
+    again = [one for one in candidates if one.effect == question.twice]
+    return [one for one in candidates if one.effect != question.without] + again
+
+
+def _verdict(diagnosis: Diagnosis) -> Verdict:
+    first, last = diagnosis.steps[0], diagnosis.steps[-1]
+    effects = tuple(
+        Named(
+            name=found.effect,
+            rivals=found.rivals,
+            parameters=intervals(diagnosis.model, last, found.trial.candidate),
+        )
+        for found in diagnosis.found
+    )
+    return Verdict(
+        verdict=diagnosis.verdict, effects=effects,
+        formula=diagnosis.residual.formula if diagnosis.residual else "", gap_before=first.held_out,
+        gap_after=last.held_out, gap_floor=last.floor_held_out, p_value=first.p_value,
+    )  # fmt: skip

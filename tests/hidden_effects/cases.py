@@ -1,0 +1,128 @@
+"""The grid of DIAGNOSIS.md, section 5: what is hidden in which recording."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from tests.generator import (
+    FAULTS,
+    LEVELS,
+    LISTED,
+    STRAIGHT,
+    UNLISTED,
+    Base,
+    Effect,
+    Film,
+    Recorded,
+    Scene,
+    draw_base,
+    draw_effect,
+    draw_film,
+    draw_scene,
+    record,
+    shuffled_polarity,
+)
+
+Sabotage = Literal["deleted", "shuffled", "twice"]
+
+REPORTED_FROM = 1000  # seeds below are for development
+SINGLES, FURTHER = LISTED[:14], LISTED[14:]  # those with asked figures, and the rest of the catalogue
+ON_K4 = (
+    "leak_mismatch",
+    "temperature_drift",
+)  # act on the junction's leak alone: too little of it in a DAVIS240C
+WIDTH, HEIGHT, SECONDS = 48, 36, 6.0
+FPS, SLOWER_FPS, BLURRED_FPS = 200.0, (30.0, 100.0), 60.0  # an exposure of 15 ms does not fit into 5
+
+
+@dataclass(frozen=True)
+class Case:
+    """A recording to be made and diagnosed. effects: (name, level) by the generator's names."""
+
+    name: str  # part/what/..., unique in the grid
+    seed: int = 0
+    effects: tuple[tuple[str, str], ...] = ()
+    fault: str | None = None  # of the frames, one of FAULTS
+    slow: bool = False  # frames at SLOWER_FPS
+    sabotage: Sabotage | None = None
+
+    @property
+    def part(self) -> str:
+        """Of the grid."""
+        return self.name.partition("/")[0]
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """What a case's seed stands for, before anything is simulated: the answer is in it."""
+
+    scene: Scene
+    base: Base
+    effects: tuple[Effect, ...]
+    film: Film
+    fps: float
+
+
+def grid(seed: int) -> tuple[Case, ...]:
+    """All cases, their seeds from `seed` on. Parts are mixed evenly: any beginning is a small grid."""
+    parts = list(_parts(np.random.default_rng(seed)))
+    places = [((n + 0.5) / len(part), which) for which, part in enumerate(parts) for n in range(len(part))]
+    remaining = [iter(part) for part in parts]
+    order = [next(remaining[which]) for _, which in sorted(places)]
+    return tuple(replace(case, seed=seed + n) for n, case in enumerate(order))
+
+
+def _parts(rng: np.random.Generator) -> Iterator[list[Case]]:
+    """Each part's cases, without seeds."""
+    yield _each("singles", SINGLES, LEVELS, 3)
+    yield _each("further", FURTHER, LEVELS, 1)
+    yield _each("unlisted", UNLISTED, ("strong", "medium"), 2)
+    yield [Case(f"nulls/{n}") for n in range(100)]
+    yield [Case(f"slow nulls/{n}", slow=True) for n in range(40)]
+    yield _pairs(rng, 4)
+    yield [Case(f"misspecified/{fault}/{n}", fault=fault) for n in range(5) for fault in FAULTS]
+    yield [Case(f"shuffled/{n}", sabotage="shuffled") for n in range(10)]
+    yield [Case(f"deleted/{one}", effects=((one, "strong"),), sabotage="deleted") for one in SINGLES]
+    yield [Case(f"twice/{one}", effects=((one, "strong"),), sabotage="twice") for one in SINGLES]
+
+
+def _each(part: str, effects: tuple[str, ...], levels: tuple[str, ...], repeats: int) -> list[Case]:
+    return [
+        Case(f"{part}/{effect}/{level}/{n}", effects=((effect, level),))
+        for n in range(repeats)
+        for level in levels
+        for effect in effects
+    ]
+
+
+def _pairs(rng: np.random.Generator, rounds: int) -> list[Case]:
+    """Each effect once a round, medium or strong."""
+    pairs: list[Case] = []
+    for n in range(rounds):
+        for two in rng.permutation(SINGLES).reshape(-1, 2).tolist():
+            effects = tuple((effect, str(rng.choice(["medium", "strong"]))) for effect in sorted(two))
+            pairs.append(Case(f"pairs/{'+'.join(sorted(two))}/{n}", effects=effects))
+    return pairs
+
+
+def drawn(case: Case) -> Drawn:
+    """Scene, base parameters (each k off by up to 30 %), effects and frames of a case."""
+    rng = np.random.default_rng(case.seed)
+    camera = "davis346" if any(name in ON_K4 for name, _ in case.effects) else None
+    scene, base = draw_scene(rng, WIDTH, HEIGHT), draw_base(rng, asymmetry=0.0, camera=camera)
+    effects = tuple(draw_effect(rng, name, level) for name, level in case.effects)
+    film = draw_film(rng, case.fault) if case.fault else STRAIGHT
+    fps = FPS
+    if case.slow:
+        fps = float(np.exp(rng.uniform(*np.log(SLOWER_FPS))))
+    elif film.exposure_us > 0:
+        fps = BLURRED_FPS
+    return Drawn(scene, base, effects, film, fps)
+
+
+def recorded(case: Case) -> Recorded:
+    """The recording, frames of 8 bit. Its `truth` is for nobody to see."""
+    what = drawn(case)
+    recording = record(what.scene, what.base, what.effects, SECONDS, what.fps, seed=case.seed, film=what.film)
+    return shuffled_polarity(recording, case.seed) if case.sabotage == "shuffled" else recording

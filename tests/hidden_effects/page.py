@@ -1,0 +1,166 @@
+"""docs/hidden-effects.md: the grid's outcome, whatever it is."""
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from .cases import FPS, HEIGHT, REPORTED_FROM, SECONDS, SINGLES, WIDTH, Case
+from .run import Line
+from .score import Figure, Judged, controls, judged, share_removed, table
+
+LEVELS = ("strong", "medium", "weak")
+_ANSWERS = ("none", "unknown", "crashed")
+
+
+def page(cases: Sequence[Case], lines: Sequence[Line], seed: int) -> str:
+    """Markdown, of all cases that have a verdict."""
+    found = judged(cases, lines)
+    sections = [
+        _head(cases, found, seed),
+        _section("What was asked, and what was reached", _figures(table(found)), _TABLE),
+        _section("Controls", _figures(controls(found)), _CONTROLS),
+        _section("Effect by effect", _by_effect(found), _BY_EFFECT),
+        _section("Unlisted effects", _unlisted(found), _UNLISTED),
+        _section("Who was taken for whom", _confusion(found), _CONFUSION),
+        _section("Wrong answers and crashes", _wrong(found), _WRONG),
+    ]
+    return "\n\n".join(sections) + "\n"
+
+
+_TABLE = """\
+Intervals: 95 %, Clopper and Pearson's for shares, between order statistics for medians. Met or not goes by the figure,
+not by its interval. A case that crashed counts as wrong. A diagnosis that gives a set of effects which explain a
+recording equally well, with the true one in it but not first, has not named it, and has not named a wrong one."""
+_CONTROLS = "Section 5 asks for no figure here. A crash counts as a wrong name."
+_BY_EFFECT = """\
+Named of how many, by level; median of the share of the removable held-out gap that was removed, and of the size found
+over the hidden one, where named."""
+_UNLISTED = """\
+The formula is that of the generic term which the diagnosis added, where it did; "unknown" stays the verdict. The names
+are those of `tests/generator/unlisted.py`."""
+_CONFUSION = """\
+Rows are what was hidden, columns what was answered, by the letters of the rows; a verdict of two names counts twice.
+Pairs and sabotaged recordings are left out."""
+_WRONG = "Each can be made again from its seed."
+
+
+def _head(cases: Sequence[Case], found: Sequence[Judged], seed: int) -> str:
+    first, last = cases[0].seed, cases[-1].seed
+    use = (
+        "the report's: development uses seeds below"
+        if seed >= REPORTED_FROM
+        else "for development, not below"
+    )
+    versions = Counter(one.line.code for one in found)
+    code = ", ".join(f"{name} ({n})" for name, n in versions.most_common())
+    mixed = " Verdicts come from more than one version of it." if len(versions) > 1 else ""
+    part = (
+        "" if len(found) == len(cases) else f" **Not finished: {len(found)} of {len(cases)} cases have run.**"
+    )
+    return f"""# Hidden effects
+
+Written by `make hidden-effects`; not by hand.{part}
+
+Each case is a recording of {SECONDS:g} s and {WIDTH} x {HEIGHT} pixels, made by `tests/generator`, which shares no code
+with simulator and lab, forms effects in its own way, and has every base parameter off by up to 30 %, on a scene of its
+own. The diagnosis gets events, frames (8 bit, {FPS:g} fps where nothing else is said) and the published parameters of
+the camera, on one thread. Its verdict is on disk before the answer is drawn from the seed. Seeds are {first} to {last},
+{use} {REPORTED_FROM}. Asked figures are those of `DIAGNOSIS.md`, section 5.
+
+Sources of simulator, lab and generator (digest, verdicts): {code or "none yet"}.{mixed}"""
+
+
+def _section(title: str, body: str, words: str) -> str:
+    return f"## {title}\n\n{words}\n\n{body}"
+
+
+def _grid(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def _figures(figures: Sequence[Figure]) -> str:
+    rows = [(one.what, one.asked, one.reached, one.interval, str(one.n), _met(one)) for one in figures]
+    return _grid(("", "asked", "reached", "interval", "n", ""), rows)
+
+
+def _met(one: Figure) -> str:
+    if one.met is None:
+        return "too few" if one.asked and one.n else ""
+    return "met" if one.met else "**not met**"
+
+
+def _by_effect(found: Sequence[Judged]) -> str:
+    rows = []
+    for effect in SINGLES:
+        of = [one for one in found if one.case.part == "singles" and one.case.effects[0][0] == effect]
+        cells = []
+        for level in LEVELS:
+            at = [one.outcome == "right" for one in of if one.case.effects[0][1] == level]
+            cells.append(f"{sum(at)} of {len(at)}" if at else "")
+        named = [one for one in of if one.outcome == "right"]
+        shares = [share_removed(one.line.verdict) for one in named if one.line.verdict]
+        ratios = [one.size.value / one.size.true for one in named if one.size]
+        rows.append((effect, *cells, _middle(shares), _middle(ratios)))
+    return _grid(("", *LEVELS, "share removed", "size found / hidden"), rows)
+
+
+def _middle(values: Sequence[float]) -> str:
+    return f"{np.nanmedian(values):.2f}" if np.isfinite(values).any() else ""
+
+
+def _unlisted(found: Sequence[Judged]) -> str:
+    return _grid(
+        ("hidden", "level", "verdict", "formula"),
+        sorted(
+            (effect, level, _answered(one), f"`{verdict.formula}`" if verdict and verdict.formula else "")
+            for one in found
+            if one.case.part == "unlisted"
+            for (effect, level), verdict in [(one.case.effects[0], one.line.verdict)]
+        ),
+    )
+
+
+def _answered(one: Judged) -> str:
+    if one.line.verdict is None:
+        return "crashed"
+    return ", ".join(one.names) or one.line.verdict.verdict
+
+
+def _confusion(found: Sequence[Judged]) -> str:
+    count: dict[str, Counter[str]] = {}
+    for one in found:
+        if one.case.part in ("pairs", "deleted", "shuffled", "twice"):
+            continue
+        hidden = one.case.effects[0][0] if one.case.effects else one.case.fault or "nothing"
+        count.setdefault(hidden, Counter()).update(_answered(one).split(", "))
+    given = {name for answers in count.values() for name in answers}
+    names = [*count, *sorted(given - set(count) - set(_ANSWERS))]
+    letters = {name: _letter(n) for n, name in enumerate(names)}
+    columns = [name for name in names if name in given]
+    rows = []
+    for name in names:
+        answers = count.get(name, Counter())
+        cells = (_cell(answers[column], column == name) for column in (*columns, *_ANSWERS))
+        rows.append((letters[name], name, *cells))
+    return _grid(("", "hidden", *(letters[name] for name in columns), *_ANSWERS), rows)
+
+
+def _letter(n: int) -> str:
+    return chr(ord("a") + n) if n < 26 else "a" + _letter(n - 26)
+
+
+def _cell(n: int, diagonal: bool) -> str:
+    return f"**{n}**" if n and diagonal else str(n) if n else "."
+
+
+def _wrong(found: Sequence[Judged]) -> str:
+    wrong = [one for one in found if one.outcome in ("wrong", "crashed")]
+    if not wrong:
+        return "None."
+    rows = [
+        (one.case.name, str(one.case.seed), one.line.error.replace("|", "/") or _answered(one))
+        for one in wrong
+    ]
+    return _grid(("case", "seed", "answer"), rows)

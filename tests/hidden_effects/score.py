@@ -1,0 +1,225 @@
+"""Verdicts against answers: the table of DIAGNOSIS.md, section 5."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import binom, binomtest, kstest
+
+from .ask import Verdict
+from .cases import Case, drawn
+from .run import Line
+from .sizes import Size, size_of
+
+Outcome = Literal["right", "abstained", "wrong", "crashed"]
+Meets = Callable[[float], bool]
+
+FAULT_NAMES = {"gamma": "input_response", "black_level": "input_response", "exposure_blur": "exposure_blur"}
+NULLS_ASKED = 100  # fewer recordings without an effect prove nothing
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A verdict beside its answer.
+
+    right: each hidden effect's name and no other; "none" where nothing is hidden; "unknown" for what is not in
+    the catalogue. wrong: a name that is not hidden, an alarm where nothing is.
+    abstained: neither. An effect given as a set that its name is in is not named, and not wrong.
+    """
+
+    case: Case
+    line: Line
+    outcome: Outcome
+    names: tuple[str, ...]  # those given
+    size: Size | None = None  # of a single effect that was named
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A row of the table. met: None where there are too few cases to tell, or nothing is asked."""
+
+    what: str
+    asked: str
+    reached: str
+    interval: str
+    n: int
+    met: bool | None
+
+
+def judged(cases: Sequence[Case], lines: Sequence[Line]) -> list[Judged]:
+    """The answers are drawn here, for cases with a verdict."""
+    by_name = {line.case: line for line in lines}
+    return [judge(case, by_name[case.name]) for case in cases if case.name in by_name]
+
+
+def judge(case: Case, line: Line) -> Judged:
+    """One verdict."""
+    if line.verdict is None:
+        return Judged(case, line, "crashed", ())
+    names = tuple(dict.fromkeys(one.name for one in line.verdict.effects))
+    found = Judged(case, line, _outcome(case, line.verdict), names)
+    if case.part == "singles" and found.outcome == "right":
+        return replace(found, size=size_of(drawn(case).effects[0], line.verdict.effects))
+    return found
+
+
+def hidden(case: Case) -> tuple[str, ...]:
+    """Names in the registry of what is hidden and listed."""
+    if case.fault:
+        return (FAULT_NAMES[case.fault],) if case.fault in FAULT_NAMES else ()
+    if case.sabotage == "deleted":
+        return ()
+    names = {"clock_offset": "latency", "dim_refractory": "refractory_period"}
+    listed = [names.get(name, name) for name, _ in case.effects if case.part != "unlisted" or name in names]
+    return tuple(listed)
+
+
+def _outcome(case: Case, verdict: Verdict) -> Outcome:
+    truth = hidden(case)
+    if any(one.name not in truth and not set(one.rivals) & set(truth) for one in verdict.effects):
+        return "wrong"
+    if case.part in ("nulls", "slow nulls"):
+        return "right" if verdict.verdict == "none" else "wrong"
+    named = {one.name for one in verdict.effects}
+    if named and named == set(truth):
+        return "right"
+    may_be_unknown = case.fault or case.sabotage in ("deleted", "shuffled") or case.part == "unlisted"
+    return "right" if may_be_unknown and verdict.verdict == "unknown" and not named else "abstained"
+
+
+def share_removed(verdict: Verdict) -> float:
+    """Of the held-out gap that is beyond chance."""
+    removable = verdict.gap_before - verdict.gap_floor
+    return (verdict.gap_before - verdict.gap_after) / removable if removable > 0 else float("nan")
+
+
+def table(found: Sequence[Judged]) -> list[Figure]:
+    """All rows."""
+    part = {name: [one for one in found if one.case.part == name] for name in {j.case.part for j in found}}
+    singles, unlisted, pairs = (part.get(name, []) for name in ("singles", "unlisted", "pairs"))
+    nulls, slow = part.get("nulls", []), part.get("slow nulls", [])
+    rows = [
+        _rate(f"named, {level}", _level(singles, level), ("right",), least=asked)
+        for level, asked in (("strong", 0.95), ("medium", 0.85), ("weak", 0.55))
+    ]
+    rows += [
+        _rate("wrong name", singles, ("wrong", "crashed"), most=0.02),
+        _rate("alarm without an effect", nulls, ("wrong", "crashed"), most=0.05, n_asked=NULLS_ASKED),
+        _rate("the same, 8 bit at 30 to 100 fps", slow, ("wrong", "crashed"), most=0.10),
+        _rate('unlisted effect called "unknown"', unlisted, ("right",), least=0.90),
+        _rate("unlisted effect given a wrong name", unlisted, ("wrong", "crashed"), most=0.05),
+        _rate("two effects: both named", pairs, ("right",), least=0.60),
+        _rate("two effects: no wrong one", pairs, ("right", "abstained"), least=0.95),
+        *_shares([one for one in singles if one.outcome == "right"]),
+        *_sizes([one.size for one in singles if one.size]),
+        _uniform([one.line.verdict.p_value for one in nulls if one.line.verdict]),
+        _time([one.line.cpu_s for one in found if one.line.verdict]),
+    ]
+    return rows
+
+
+def controls(found: Sequence[Judged]) -> list[Figure]:
+    """Rows of what section 5 asks no figure for."""
+    words = {
+        "misspecified": "frames misspecified: input effect named, or unknown",
+        "deleted": "true effect deleted from the catalogue: unknown",
+        "shuffled": "polarity shuffled: unknown",
+        "twice": "an effect listed twice: still named",
+        "further": "other effects of the catalogue: named",
+    }
+    rows = []
+    for name, what in words.items():
+        part = [one for one in found if one.case.part == name]
+        rows.append(_rate(what, part, ("right",)))
+        rows.append(_rate(f"{name}: wrong name", part, ("wrong", "crashed")))
+    return rows
+
+
+def interval(k: int, n: int) -> tuple[float, float]:
+    """Clopper and Pearson's, 95 %."""
+    found = binomtest(k, n).proportion_ci(0.95, "exact")
+    return float(found.low), float(found.high)
+
+
+def _level(singles: Sequence[Judged], level: str) -> list[Judged]:
+    return [one for one in singles if one.case.effects[0][1] == level]
+
+
+def _rate(
+    what: str,
+    part: Sequence[Judged],
+    outcomes: tuple[Outcome, ...],
+    *,
+    least: float | None = None,
+    most: float | None = None,
+    n_asked: int = 1,
+) -> Figure:
+    asked = (
+        f"at least {least:.0%}" if least is not None else f"at most {most:.0%}" if most is not None else ""
+    )
+    asked += f" of {n_asked} or more" if n_asked > 1 else ""
+    n, k = len(part), sum(one.outcome in outcomes for one in part)
+    if not n:
+        return Figure(what, asked, "not run", "", 0, None)
+    low, high = interval(k, n)
+    met = None
+    if n >= n_asked and asked:
+        met = k / n >= least if least is not None else k / n <= (most or 0)
+    return Figure(what, asked, f"{k} of {n}: {k / n:.0%}", f"{low:.0%} to {high:.0%}", n, met)
+
+
+def _shares(named: Sequence[Judged]) -> list[Figure]:
+    shares = np.array([share_removed(one.line.verdict) for one in named if one.line.verdict])
+    shares = shares[np.isfinite(shares)]
+    what = "share of the removable held-out gap removed, when named"
+    worst = f"{shares.min():.2f}" if shares.size else "not run"
+    return [
+        _median(f"{what}: median", "at least 0.90", shares, "{:.2f}", lambda middle: middle >= 0.90),
+        Figure(
+            f"{what}: worst", "at least 0.60", worst, "", shares.size,
+            bool(shares.min() >= 0.60) if shares.size else None,
+        ),
+    ]  # fmt: skip
+
+
+def _sizes(sizes: Sequence[Size]) -> list[Figure]:
+    errors = np.array([abs(size.value / size.true - 1) for size in sizes])
+    covered = sum(size.low <= size.true <= size.high for size in sizes)
+    rate = Figure("90 % intervals that cover", "80 % to 97 %", "not run", "", 0, None)
+    if sizes:
+        share, (low, high) = covered / len(sizes), interval(covered, len(sizes))
+        rate = replace(
+            rate, reached=f"{covered} of {len(sizes)}: {share:.0%}", interval=f"{low:.0%} to {high:.0%}",
+            n=len(sizes), met=0.80 <= share <= 0.97,
+        )  # fmt: skip
+    return [_median("parameter error: median", "at most 15 %", errors, "{:.0%}", lambda m: m <= 0.15), rate]
+
+
+def _uniform(p_values: Sequence[float]) -> Figure:
+    what, asked = "p-values without an effect", f"uniform: KS p > 0.01, n >= {NULLS_ASKED}"
+    if not p_values:
+        return Figure(what, asked, "not run", "", 0, None)
+    p = float(kstest(p_values, "uniform").pvalue)
+    met = p > 0.01 if len(p_values) >= NULLS_ASKED else None
+    return Figure(what, asked, f"KS p = {p:.2g}", "", len(p_values), met)
+
+
+def _time(cpu_s: Sequence[float]) -> Figure:
+    """Half of the time on one core: runs of the simulation, nearly all of it, go on all cores alike."""
+    halves = 0.5 * np.array(cpu_s)
+    what = "time on two cores, 48 x 36 (half of that on one): median"
+    return _median(what, "60 s", halves, "{:.0f} s", lambda middle: middle <= 60)
+
+
+def _median(what: str, asked: str, values: NDArray[np.float64], form: str, meets: Meets) -> Figure:
+    """With the interval between order statistics that holds the median in 95 % of cases."""
+    if not values.size:
+        return Figure(what, asked, "not run", "", 0, None)
+    middle, ordered, n = float(np.median(values)), np.sort(values), values.size
+    first = int(binom.ppf(0.025, n, 0.5))
+    ends = ""
+    if first > 0:
+        ends = f"{form.format(ordered[first - 1])} to {form.format(ordered[n - first])}"
+    return Figure(what, asked, form.format(middle), ends, n, meets(middle))

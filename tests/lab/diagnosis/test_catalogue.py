@@ -1,0 +1,64 @@
+"""The catalogue of effects that may be missing."""
+
+import pytest
+
+from voltcam_lab.diagnosis.catalogue import Clues, catalogue
+from voltcam_lab.diagnosis.model import Model, within
+from voltcam_lab.diagnosis.unlisted import forms
+from voltcam_simulator import Parameters
+from voltcam_simulator.effects import EFFECTS
+
+CLUES = Clues(6.0, 50_000, 100.0, 40_000, 500, 35.25, 36, 1234.0, 1)
+INPUT_AND_BASE = {
+    "contrast_response", "photon_noise", "junction_leak", "parasitic_photocurrent", "leak_noise", "dark_current",
+    "residual_drift", "residual_noise",
+}  # fmt: skip
+
+
+def test_every_effect_of_the_registry_can_be_found() -> None:
+    assert {one.effect for one in catalogue(CLUES)} == {effect.name for effect in EFFECTS} - INPUT_AND_BASE
+
+
+@pytest.mark.parametrize("candidate", catalogue(CLUES), ids=lambda one: f"{one.effect}-{one.names[0]}")
+def test_each_candidate_switches_its_effect_on_and_nothing_else(candidate) -> None:  # type: ignore[no-untyped-def]
+    before = Parameters.of("paper")
+    for size in candidate.sizes:
+        after = candidate.on(before, size)
+        changed = {e.name for e, f in zip(before.effects(), after.effects(), strict=True) if e != f}
+        assert changed == {candidate.effect}
+        assert getattr(after, candidate.effect).active
+
+
+def test_smaller_amounts_are_nearer_to_no_effect() -> None:
+    of = {(one.effect, one.names[0]): one for one in catalogue(CLUES)}
+    assert of["refractory_period", "period_us"].scaled((3000,), 0.5) == (1500,)
+    assert of["photoreceptor_bandwidth", "cutoff_hz"].scaled((100,), 0.5) == (200,)
+    assert of["comparator", "ratio"].scaled((4.0,), 0.5) == (2.0,)
+
+
+def test_unequal_thresholds_keep_their_product() -> None:
+    asymmetry = next(one for one in catalogue(CLUES) if one.effect == "comparator")
+    comparator = asymmetry.on(Parameters.of("paper"), (1.3,)).comparator
+    assert comparator.theta_on / comparator.theta_off == pytest.approx(1.3)
+    assert comparator.theta_on * comparator.theta_off == pytest.approx(1)
+
+
+def test_sizes_stay_inside_the_limits_of_the_registry() -> None:
+    dead = next(one for one in catalogue(CLUES) if one.effect == "dead_pixels")
+    assert within(dead, (7.0,)) == (1.0,)
+    tick = next(one for one in catalogue(CLUES) if one.effect == "timestamp_quantum")
+    assert within(tick, (3.4,)) == (3,)
+
+
+def test_a_model_knows_its_base_and_its_effects() -> None:
+    start = Parameters.of("paper")
+    dead_time = next(one for one in catalogue(CLUES) if one.effect == "refractory_period")
+    model = Model(start).with_effect(dead_time, (1000.0,))
+    moved = model.parameters([0.1, 0, 0, 0, 0, 0, 0.2])
+    assert moved.contrast_response.k1 == pytest.approx(start.contrast_response.k1 * 1.10517, rel=1e-4)
+    assert moved.refractory_period.period_us == pytest.approx(1221.4, rel=1e-4)
+    assert model.without(0).parameters() == start
+
+
+def test_forms_of_the_open_route_are_drifts_and_noises() -> None:
+    assert {one.effect for one in forms(Parameters.of("paper"))} == {"residual_drift", "residual_noise"}

@@ -1,0 +1,267 @@
+"""The hidden-effects grid: what it draws, how it scores verdicts made by hand, that it goes on where it stopped;
+and a small part of it for real."""
+
+import os
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.generator import UNLISTED
+from tests.hidden_effects.ask import Named, Question, Verdict
+from tests.hidden_effects.cases import SINGLES, Case, drawn, grid, recorded
+from tests.hidden_effects.page import page
+from tests.hidden_effects.run import Line, diagnosed, read, run
+from tests.hidden_effects.score import Figure, controls, interval, judge, judged, share_removed, table
+
+from voltcam_lab.diagnosis.result import Estimate
+
+GRID = grid(1000)
+
+
+def named(name: str) -> Case:
+    return next(case for case in GRID if case.name == name)
+
+
+def said(*effects: str | Named, verdict: str = "", gap: float = 0.52, p_value: float = 0.5) -> Verdict:
+    """Effects by name, or a verdict without any; the gap is 1.5 before and .5 by chance."""
+    given = tuple(one if isinstance(one, Named) else Named(name=one) for one in effects)
+    return Verdict.model_validate(
+        {"verdict": "effects" if given else verdict, "effects": given, "gap_before": 1.5, "gap_after": gap,
+         "gap_floor": 0.5, "p_value": p_value}
+    )  # fmt: skip
+
+
+def answered(
+    case: Case, *effects: str | Named, verdict: str = "", gap: float = 0.52, p_value: float = 0.5
+) -> Line:
+    return Line(
+        case=case.name, verdict=said(*effects, verdict=verdict, gap=gap, p_value=p_value), cpu_s=100.0
+    )
+
+
+def as_asked(case: Case) -> Line:
+    """The right answer to a case."""
+    if case.part == "unlisted" or case.sabotage in ("deleted", "shuffled") or case.fault:
+        return answered(case, verdict="unknown")
+    if not case.effects:
+        return answered(case, verdict="none", p_value=(case.seed * 0.618) % 1)
+    effect = drawn(case).effects[0]
+    estimates = {}
+    if effect.name == "flicker":
+        depth = effect.parameters["depth"]
+        estimates = {"depth": Estimate(value=1.1 * depth, low=0.9 * depth, high=1.3 * depth)}
+    names = ["latency" if name == "clock_offset" else name for name, _ in case.effects]
+    return answered(case, Named(name=names[0], parameters=estimates), *names[1:])
+
+
+def row(figures: list[Figure], beginning: str) -> Figure:
+    return next(one for one in figures if one.what.startswith(beginning))
+
+
+def test_grid_is_that_of_section_5() -> None:
+    parts = {part: [case for case in GRID if case.part == part] for part in {case.part for case in GRID}}
+    singles = {case.effects for case in parts["singles"]}
+    assert len(SINGLES) == 14
+    assert len(singles) == 14 * 3
+    assert len(parts["nulls"]) >= 100
+    assert {case.effects[0][0] for case in parts["unlisted"]} == set(UNLISTED)
+    assert len(UNLISTED) == 10
+    assert all(len({effect for effect, _ in case.effects}) == 2 for case in parts["pairs"])
+    assert len({case.name for case in GRID}) == len(GRID)
+
+
+def test_seeds_of_development_and_report_have_none_in_common() -> None:
+    assert [case.seed for case in GRID] == list(range(1000, 1000 + len(GRID)))
+    assert len(GRID) <= 1000
+    assert [case.name for case in grid(1000)] == [case.name for case in GRID]
+
+
+def test_any_beginning_is_a_small_grid() -> None:
+    tenth = {case.part for case in GRID[: len(GRID) // 10]}
+    assert tenth == {case.part for case in GRID}
+
+
+def test_cases_are_drawn_within_limits() -> None:
+    slow = [drawn(case).fps for case in GRID if case.slow]
+    assert 30 <= min(slow) < 45 < 85 < max(slow) <= 100
+    leak = [drawn(case).base.camera for case in GRID if ("leak_mismatch", "weak") in case.effects]
+    assert set(leak) == {"davis346"}
+    assert {drawn(case).base.camera for case in GRID if not case.effects} == {"davis346", "davis240c"}
+
+
+def test_the_answer_is_the_recordings_own() -> None:
+    case = named("pairs/" + next(case.name for case in GRID if case.part == "pairs").partition("/")[2])
+    what, truth = drawn(case), recorded(case).truth
+    assert [(one["name"], one["parameters"]) for one in truth["effects"]] == [
+        (one.name, one.parameters) for one in what.effects
+    ]
+    assert truth["base"]["k1"] == what.base.k1
+
+
+def test_the_diagnosis_sees_no_answer() -> None:
+    seen: list[Question] = []
+
+    def look(question: Question) -> Verdict:
+        seen.append(question)
+        return said(verdict="none")
+
+    case = named("singles/flicker/strong/0")
+    assert diagnosed(case, look).verdict == said(verdict="none")
+    deleted = named("deleted/flicker")
+    diagnosed(deleted, look)
+    assert {field.name for field in fields(seen[0])} == {
+        "events", "frames", "frame_t_us", "width", "height", "camera", "without", "twice",
+    }  # fmt: skip
+    assert (seen[0].without, seen[0].twice) == (None, None)
+    assert seen[1].without == "flicker"
+
+
+FLICKER, PAIR = "singles/flicker/strong/0", next(case.name for case in GRID if case.part == "pairs")
+ONE, OTHER = (effect for effect, _ in named(PAIR).effects)
+THIRD = next(effect for effect in SINGLES if effect not in (ONE, OTHER))
+
+
+@pytest.mark.parametrize(
+    ("case", "verdict", "outcome"),
+    [
+        (FLICKER, said("flicker"), "right"),
+        (FLICKER, said("flicker", "flicker"), "right"),
+        (FLICKER, said("flicker", "latency"), "wrong"),
+        (FLICKER, said("latency"), "wrong"),
+        (FLICKER, said(Named(name="latency", rivals=("flicker",))), "abstained"),
+        (FLICKER, said(verdict="unknown"), "abstained"),
+        (FLICKER, said(verdict="none"), "abstained"),
+        (FLICKER, None, "crashed"),
+        ("nulls/0", said(verdict="none"), "right"),
+        ("nulls/0", said(verdict="unknown"), "wrong"),
+        ("slow nulls/0", said("flicker"), "wrong"),
+        (PAIR, said(ONE, OTHER), "right"),
+        (PAIR, said(OTHER), "abstained"),
+        (PAIR, said(ONE, OTHER, THIRD), "wrong"),
+        ("unlisted/rebound/strong/0", said(verdict="unknown"), "right"),
+        ("unlisted/rebound/strong/0", said(verdict="none"), "abstained"),
+        ("unlisted/rebound/strong/0", said("reset_noise"), "wrong"),
+        ("unlisted/dim_refractory/strong/0", said("refractory_period"), "right"),
+        ("unlisted/dim_refractory/strong/0", said(verdict="unknown"), "right"),
+        ("further/clock_offset/strong/0", said("latency"), "right"),
+        ("misspecified/gamma/0", said("input_response"), "right"),
+        ("misspecified/gamma/0", said("exposure_blur"), "wrong"),
+        ("misspecified/clipping/0", said("input_response"), "wrong"),
+        ("misspecified/clipping/0", said(verdict="unknown"), "right"),
+        ("deleted/flicker", said(verdict="unknown"), "right"),
+        ("deleted/flicker", said("latency"), "wrong"),
+        ("shuffled/0", said(verdict="none"), "abstained"),
+        ("twice/flicker", said("flicker"), "right"),
+    ],
+)
+def test_outcome_of_a_verdict(case: str, verdict: Verdict | None, outcome: str) -> None:
+    assert judge(named(case), Line(case=case, verdict=verdict)).outcome == outcome
+
+
+def test_share_of_the_removable_gap() -> None:
+    """From 1.5 to .6 where chance leaves .5."""
+    assert share_removed(said("flicker", gap=0.6)) == pytest.approx(0.9)
+    assert np.isnan(said("flicker").gap_before - 1.5) or share_removed(said("flicker", gap=1.7)) < 0
+
+
+def test_interval_is_clopper_and_pearsons() -> None:
+    """Closed form where all or none."""
+    assert interval(20, 20) == pytest.approx((0.025 ** (1 / 20), 1))
+    assert interval(0, 48) == pytest.approx((0, 1 - 0.025 ** (1 / 48)))
+
+
+def test_all_right_meets_every_figure() -> None:
+    figures = table(judged(GRID, [as_asked(case) for case in GRID]))
+    told = {one.what: one.met for one in figures}
+    coverage = told.pop("90 % intervals that cover")
+    assert all(told.values()), told
+    assert coverage is False  # 9 of 9 are too many for intervals of 90 %
+    assert row(figures, "parameter error").reached == "10%"
+    assert row(figures, "time on two cores").reached == "50 s"
+    assert all(one.reached.endswith(("100%", "0%")) for one in controls(judged(GRID, map_right())))
+
+
+def map_right() -> list[Line]:
+    return [as_asked(case) for case in GRID]
+
+
+def test_a_crash_is_wrong_everywhere() -> None:
+    lines = [Line(case=case.name, error="ValueError: no | luck") for case in GRID]
+    found = judged(GRID, lines)
+    figures = table(found)
+    for what in ("named, strong", "wrong name", "alarm", "the same", "unlisted", "two effects"):
+        assert row(figures, what).met is False
+    text = page(GRID, lines, 1000)
+    assert text.count("ValueError: no / luck") == len(GRID)
+
+
+def test_few_cases_tell_nothing_about_chance() -> None:
+    case = named("nulls/0")
+    figures = table(judged(GRID, [answered(case, verdict="none")]))
+    assert row(figures, "alarm").met is None
+    assert row(figures, "p-values").met is None
+    assert row(figures, "named, strong").reached == "not run"
+
+
+def test_p_values_that_crowd_are_told() -> None:
+    nulls = [case for case in GRID if case.part == "nulls"]
+    lines = [answered(case, verdict="none", p_value=0.5 * n / len(nulls)) for n, case in enumerate(nulls)]
+    assert row(table(judged(GRID, lines)), "p-values").met is False
+
+
+def test_page_tells_what_was_met_and_what_not() -> None:
+    right = {line.case: line for line in map_right()}
+    for case in GRID:
+        if case.part == "singles" and case.effects[0] == ("readout", "strong"):
+            right[case.name] = answered(case, "refractory_period")
+    text = page(GRID, list(right.values()), 1000)
+    lines = text.splitlines()
+    assert "39 of 42: 93%" in next(line for line in lines if line.startswith("| named, strong"))
+    assert "**not met**" in next(line for line in lines if line.startswith("| named, strong"))
+    assert "| met |" in next(line for line in lines if line.startswith("| named, weak"))
+    assert sum(line.startswith("| singles/readout/strong/") for line in lines) == 3
+    assert "Not finished" not in text
+    assert "below 1000" in text
+    tables = [line for line in lines if line.startswith("|")]
+    assert all(line.endswith("|") for line in tables)
+
+
+def test_page_of_a_part_says_so() -> None:
+    text = page(GRID, map_right()[:10], 1000)
+    assert f"10 of {len(GRID)} cases have run" in text
+    assert "not run" in text
+
+
+def test_confusion_matrix_counts_answers() -> None:
+    case = named(FLICKER)
+    text = page(GRID, [answered(case, "latency"), answered(named("nulls/0"), verdict="none")], 1000)
+    matrix = text.partition("Who was taken")[2]
+    assert "| a | nothing | . | **1**".replace("**1**", "1") in matrix or "| b | nothing | . | 1 |" in matrix
+    assert "flicker | 1 | . | . | . |" in matrix
+
+
+def stub(case: Case) -> Line:
+    """What happens in a process of its own, by the case's name."""
+    if case.name == "dies":
+        os._exit(3)
+    if case.name == "fails":
+        raise ValueError("no luck")
+    return Line(case=case.name, verdict=said(verdict="none"))
+
+
+def test_run_goes_on_where_it_stopped(tmp_path: Path) -> None:
+    file, cases = tmp_path / "results.jsonl", [Case("one"), Case("two"), Case("dies"), Case("fails")]
+    begun = run(cases, file, 1, stub)
+    first = next(begun)
+    begun.close()  # interrupted: what is said is on disk
+    assert [line.case for line in read(file)] == [first.case] == ["one"]
+    with file.open("a") as results:
+        results.write('{"case": "two", "verd')  # killed while it wrote
+    rest = list(run(cases, file, 2, stub))
+    assert {line.case for line in rest} == {"two", "dies", "fails"}
+    lines = {line.case: line for line in read(file)}
+    assert lines["fails"].error == "ValueError: no luck"
+    assert "3" in lines["dies"].error
+    assert lines["two"].verdict == said(verdict="none")
+    assert list(run(cases, file, 1, stub)) == []

@@ -1,0 +1,78 @@
+"""What a recording can tell."""
+
+import numpy as np
+import pytest
+
+from voltcam_lab.diagnosis.identify import Known, covariance, detectable, known, short, smallest
+from voltcam_lab.diagnosis.model import BASE, flat
+
+from .conftest import Done
+
+
+def test_every_base_parameter_and_every_candidate_is_told_of(done: Done) -> None:
+    assert [(one.effect, one.name) for one in done.told.base] == list(BASE)
+    assert {one.effect for one in done.told.effects} == {one.effect for one in done.session.candidates}
+    text = done.told.text()
+    for one in done.told.base:
+        assert f"{one.effect}.{one.name}" in text
+    assert "seen from" in text
+
+
+def test_a_moving_scene_fixes_the_gain_better_than_a_prior_does(done: Done) -> None:
+    gain = done.told.base[0]
+    assert gain.answer == "yes"
+    assert gain.sd < 0.1
+
+
+def test_the_hidden_effect_is_far_above_the_smallest_size_that_shows(done: Done) -> None:
+    (dead,) = [one for one in done.told.effects if one.effect == "refractory_period"]
+    assert dead.size is not None
+    assert 1 < dead.size < 3000  # 6000 us are hidden
+    assert smallest(dead).endswith(" us")
+
+
+def test_the_gain_at_the_smallest_size_is_what_chance_reaches(done: Done) -> None:
+    screen = done.diagnosis.steps[0].screen
+    sizes = {one.effect: one.size for one in detectable(screen)}
+    for one in screen.signatures:
+        size = sizes[one.candidate.effect]
+        if one.candidate.effect == "hot_pixels" and size is not None:
+            z = size / one.size[0] * flat(one.column)
+            gain = screen.with_effect(z, one).gain - screen.own(z).gain
+            assert gain >= 30  # loop.LEAST_GAIN; chance may ask for more
+            half = 0.8 * z
+            assert screen.with_effect(half, one).gain - screen.own(half).gain < gain
+
+
+def test_the_covariance_is_one(done: Done) -> None:
+    found = covariance(done.diagnosis.steps[-1].screen)
+    np.testing.assert_allclose(found, found.T, rtol=1e-6, atol=1e-12)
+    assert np.linalg.eigvalsh(found).min() > 0
+    assert len(found) == len(BASE) + 1  # and the effect's size
+
+
+def test_parameters_that_move_together_are_named_by_each_other(done: Done) -> None:
+    found = {one.name: one for one in known(done.diagnosis.steps[0].screen)}
+    for one in found.values():
+        for partner, correlation in one.mixed_with.items():
+            assert found[partner].mixed_with[one.name] == pytest.approx(correlation)
+
+
+@pytest.mark.parametrize(("share", "answer"), [(0.99, "yes"), (0.7, "in part"), (0.1, "no")])
+def test_answers(share: float, answer: str) -> None:
+    assert Known("leak_noise", "k6", 1e-5, 0.1, share).answer == answer
+
+
+@pytest.mark.parametrize(
+    ("number", "text"),
+    [
+        (6104.6, "6100"),
+        (0.0, "0"),
+        (1.08e-7, "1.08e-07"),
+        (18.13, "18.1"),
+        (0.00523, "0.00523"),
+        (-3.0, "-3.00"),
+    ],
+)
+def test_numbers_are_short(number: float, text: str) -> None:
+    assert short(number) == text

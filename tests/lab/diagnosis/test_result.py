@@ -1,0 +1,70 @@
+"""result.json and camera.yaml."""
+
+import json
+from pathlib import Path
+
+import pytest
+from pydantic import ValidationError
+
+from voltcam_lab.diagnosis.conclude import camera_of, result_of
+from voltcam_lab.diagnosis.result import Result, schema
+from voltcam_simulator import Camera
+
+from .conftest import Done
+
+SCHEMA = Path(__file__).parents[3] / "docs" / "diagnosis.schema.json"
+
+
+@pytest.fixture(scope="module")
+def result(done: Done) -> Result:
+    return result_of(done.session, done.told, done.diagnosis)
+
+
+def test_the_hidden_effect_is_named_with_its_size(result: Result) -> None:
+    assert result.verdict == "effects"
+    (effect,) = result.effects
+    assert effect.name == "refractory_period"
+    size = effect.parameters["period_us"]
+    assert size.low < 6000 < size.high
+    assert size.low < size.value < size.high
+    assert effect.gap_before > effect.gap_after >= 0.5 * effect.gap_floor
+    assert effect.p_value < 0.01
+    assert result.gap.before == effect.gap_before
+    assert result.gap.after == effect.gap_after
+    assert "refractory period" in result.sentence
+
+
+def test_strata_are_ranked_and_their_intervals_hold_the_effect(result: Result) -> None:
+    z = [abs(one.z) for one in result.where]
+    assert z == sorted(z, reverse=True)
+    assert max(abs(one.z) for one in result.where_after) < z[0]
+    for one in result.where:
+        assert one.effect.low <= one.effect.value <= one.effect.high
+        assert (one.effect.value > 0) == (one.z > 0)
+        if one.unit == "share":
+            assert one.effect.low >= -1
+    holes = [one for one in result.where if one.strata.get("interval") == "2 to 5 ms" and one.group == "B"]
+    assert all(one.effect.value < -0.5 for one in holes)
+
+
+def test_json_is_read_back_as_it_was(result: Result) -> None:
+    text = result.model_dump_json()
+    assert Result.model_validate_json(text) == result
+    with pytest.raises(ValidationError, match="verdict"):
+        Result.model_validate({**json.loads(text), "verdict": "maybe"})
+    with pytest.raises(ValidationError, match="surprise"):
+        Result.model_validate({**json.loads(text), "surprise": 1})
+
+
+def test_the_schema_in_docs_is_the_code_s() -> None:
+    assert json.loads(SCHEMA.read_text()) == schema(), "write diagnosis.result.schema() to it as JSON"
+
+
+def test_the_camera_file_loads_and_has_the_effect(done: Done, result: Result, tmp_path: Path) -> None:
+    path = tmp_path / "camera.yaml"
+    path.write_text(camera_of(done.session, done.diagnosis).to_yaml())
+    camera = Camera.load(path)
+    assert (camera.width, camera.height) == (32, 24)
+    value = result.effects[0].parameters["period_us"].value
+    assert camera.parameters.refractory_period.period_us == pytest.approx(value)
+    assert camera.parameters == done.diagnosis.model.parameters()

@@ -1,0 +1,121 @@
+"""Recordings made ready, good and bad; runs that are kept."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from voltcam_client.formats import Recording
+from voltcam_lab.diagnosis.rig import Rig
+from voltcam_lab.diagnosis.session import DiagnosisError, StoredRig, cut, sample, session_of
+from voltcam_simulator import EVENT, Camera, Parameters
+
+PAPER = Camera.load("paper")
+
+
+def refused(recording: Recording, folder: Path, **arguments: float) -> str:
+    with pytest.raises(DiagnosisError) as caught:
+        session_of(recording, PAPER, folder, name="bad.npz", **arguments)  # type: ignore[arg-type]
+    text = str(caught.value)
+    assert "\n" not in text
+    assert "bad.npz" in text
+    assert not list(folder.glob("*"))
+    return text
+
+
+def test_what_a_recording_lacks_is_said_in_a_line(tiny: Recording, tmp_path: Path) -> None:
+    assert "frames" in refused(replace(tiny, frames=None, frame_t_us=None), tmp_path)
+    assert "events" in refused(replace(tiny, events=np.empty(0, EVENT)), tmp_path)
+    assert "fewer than 10 frames" in refused(tiny, tmp_path, seconds=0.01)
+    assert tiny.frames is not None
+    refused(replace(tiny, frames=np.zeros_like(tiny.frames)), tmp_path)
+
+
+def test_events_of_another_clock_are_refused(tiny: Recording, tmp_path: Path) -> None:
+    events = tiny.events.copy()
+    events["t"] += 3_600_000_000
+    refused(replace(tiny, events=events), tmp_path)
+
+
+def test_a_session_has_the_recording_s_size_and_looks_at_all_of_a_small_sensor(
+    tiny: Recording, tmp_path: Path
+) -> None:
+    session = session_of(tiny, PAPER, tmp_path)
+    assert (session.camera.width, session.camera.height) == (32, 24)
+    assert session.columns.tolist() == list(range(32))
+    assert session.seconds == pytest.approx(2.0, abs=0.01)
+    assert "all 32 x 24 pixels" in session.looked_at()
+
+
+def test_effects_of_the_camera_file_are_not_searched(tiny: Recording, tmp_path: Path) -> None:
+    parameters = PAPER.parameters.changed({"refractory_period": {"period_us": 500}})
+    session = session_of(tiny, PAPER.model_copy(update={"parameters": parameters}), tmp_path)
+    assert "refractory_period" in session.left_out
+    assert "refractory_period" not in {one.effect for one in session.candidates}
+    assert "comparator" in {one.effect for one in session.candidates}
+
+
+def test_of_a_large_sensor_strips_of_whole_columns_are_looked_at(tiny: Recording, tmp_path: Path) -> None:
+    session = session_of(tiny, PAPER, tmp_path, most_pixels=24 * 16)
+    columns = session.columns
+    assert len(columns) == 16
+    assert session.rig.setting.scene.images.shape[1:] == (24, 16)
+    mine = tiny.events[np.isin(tiny.events["x"], columns)]
+    again = session.recording.events
+    assert len(again) == np.count_nonzero(mine["t"] <= session.rig.setting.frame_t_us[-1])
+    np.testing.assert_array_equal(columns[again["x"]], mine["x"][: len(again)])
+    assert "vignetting" in session.left_out
+    assert "16 of 32 columns" in session.looked_at()
+
+
+def test_strips_are_where_most_and_where_little_changes(tiny: Recording) -> None:
+    frames = np.full((20, 24, 32), 100, np.uint8)
+    frames[::2, :, 8:14] = 50
+    columns = sample(replace(tiny, frames=frames), 24 * 12)
+    assert set(range(8, 12)) < set(columns.tolist())
+    assert len(set(columns.tolist()) - set(range(6, 18))) == 6
+
+
+def test_cut_leaves_events_and_frames_of_the_same_time(tiny: Recording) -> None:
+    part = cut(tiny, 0.5)
+    assert part.frame_t_us is not None
+    assert part.frames is not None
+    assert len(part.frames) == len(part.frame_t_us) == 101
+    assert part.events["t"].max() <= part.frame_t_us[-1] == 500_000
+
+
+def test_runs_are_kept_and_a_broken_one_is_made_anew(
+    tiny: Recording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session = session_of(tiny, PAPER, tmp_path / "runs")
+    parameters, made = Parameters.of("paper"), list[int]()
+    simulate = Rig.events
+
+    def counted(rig: Rig, parameters: Parameters, seed: int) -> object:
+        made.append(seed)
+        return simulate(rig, parameters, seed)
+
+    monkeypatch.setattr(Rig, "events", counted)
+    first = session.rig.run(parameters, 1)
+    np.testing.assert_array_equal(session.rig.run(parameters, 1), first)
+    np.testing.assert_array_equal(StoredRig(session.rig.setting, tmp_path / "runs").run(parameters, 1), first)
+    assert len(made) == 1
+    (kept,) = (tmp_path / "runs").glob("*.npy")
+    kept.write_bytes(kept.read_bytes()[:100])
+    np.testing.assert_array_equal(session.rig.run(parameters, 1), first)
+    assert len(made) == 2
+    assert (StoredRig(session.rig.setting, tmp_path / "runs", seed=1).run(parameters, 1) != first).any()
+    session.rig.run(parameters.changed({"comparator": {"theta_on": 1.1}}), 1)
+    assert len(made) == 4
+    session.rig.forget()
+    assert not (tmp_path / "runs").exists()
+
+
+def test_progress_tells_of_each_batch_and_run(tiny: Recording, tmp_path: Path) -> None:
+    session = session_of(tiny, PAPER, tmp_path)
+    batches, ended = list[int](), list[None]()
+    session.rig.batch, session.rig.done = batches.append, lambda: ended.append(None)
+    session.rig.means([PAPER.parameters], range(3))
+    assert batches == [3]
+    assert len(ended) == 3
