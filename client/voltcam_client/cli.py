@@ -31,6 +31,7 @@ SUMMARIES = {
     "convert": "turn a video, images or a recording into an event file",
     "calibrate": "find a camera's parameters from a recording of it",
     "diagnose": "find, name and add what a camera file lacks to explain a recording",
+    "evaluate": "hold models against recordings; the paper's figures and tables",
     "bench": "measure the speed on this machine, beside its own limits",
     "schema": "print the JSON schema of the configuration file, for editors",
 }

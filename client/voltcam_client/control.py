@@ -1,4 +1,4 @@
-"""A running camera's parameters, source and recording, over the daemon's REST interface."""
+"""A running camera's parameters, source, recording and diagnosis, over the daemon's REST interface."""
 
 import json
 import urllib.error
@@ -63,6 +63,32 @@ class Control:
     def stop_recording(self) -> Json:
         """End the recording."""
         return self._request("DELETE", "/recording")
+
+    def start_diagnosis(
+        self, reference: str | Path | None = None, *, stream: str | None = None, seconds: float | None = None
+    ) -> Json:
+        """Find what the camera lacks to be like another: one that made the recording `reference` on the
+        daemon's host, or that looks at the same scene now and sends to the ZeroMQ address `stream`. Of it,
+        `seconds` are looked at. The answer is `diagnosis()` at its beginning."""
+        given = {"reference": reference and str(reference), "stream": stream, "seconds": seconds}
+        body = {key: value for key, value in given.items() if value is not None}
+        return self._request("POST", "/diagnosis", body)
+
+    def diagnosis(self) -> Json:
+        """State (idle, gathering, running, done, failed), sentences of progress, and the result when done."""
+        return self._request("GET", "/diagnosis")
+
+    def end_diagnosis(self) -> Json:
+        """End it before it is done."""
+        return self._request("DELETE", "/diagnosis")
+
+    def accept_diagnosis(self) -> Json:
+        """Run with what was found; the answer says the new parameters_version."""
+        return self._request("POST", "/diagnosis/accept")
+
+    def revert_diagnosis(self) -> Json:
+        """Back to the parameters from before the last accept; the answer says their new version."""
+        return self._request("POST", "/diagnosis/revert")
 
     def status(self) -> Json:
         """Rates, drops, state of the source and of the recording."""

@@ -22,6 +22,8 @@ from voltcam_simulator import Law, Parameters
 from voltcam_video import SourceError, SourceRequest
 
 from .bodies import body_of, read_model, read_object, refusal
+from .diagnosis import Diagnosis
+from .diagnosis_api import diagnosis_routes
 from .emulator import Emulator
 from .metrics import CONTENT_TYPE, prometheus
 from .origin import SameOrigin
@@ -71,7 +73,9 @@ class RecordingRequest(BaseModel):
     path: str = Field(min_length=1, max_length=4096)
 
 
-def create_app(emulator: Emulator, websockets: WebSocketTransport, camera: CameraAnswer) -> FastAPI:
+def create_app(
+    emulator: Emulator, websockets: WebSocketTransport, camera: CameraAnswer, diagnosis: Diagnosis
+) -> FastAPI:
     """The web application of a daemon."""
     app = FastAPI(title="Voltcam", openapi_url="/api/v1/openapi.json", docs_url=None, redoc_url=None)
     app.add_middleware(SameOrigin)
@@ -79,6 +83,7 @@ def create_app(emulator: Emulator, websockets: WebSocketTransport, camera: Camer
         app.add_exception_handler(kind, _refuse)
     app.include_router(_control(emulator, camera), prefix="/api/v1")
     app.include_router(_streams(websockets, camera), prefix="/api/v1")
+    app.include_router(diagnosis_routes(diagnosis), prefix="/api/v1")
     app.include_router(_health(emulator))
     app.mount("/", StaticFiles(directory=WEB, html=True), name="page")
     return app

@@ -12,6 +12,7 @@ from voltcam_simulator import Camera
 from voltcam_video import SourceError
 
 from .api import CameraAnswer, check_encoding, create_app
+from .diagnosis import Diagnosis
 from .emulator import Emulator
 from .problems import UsageError, one_line, where
 from .settings import Settings
@@ -55,7 +56,10 @@ def serve(settings: Settings, record: str | None, on_ready: Callable[[str, str],
             on_failure=lambda: setattr(server, "should_exit", True),
         )
         stack.callback(emulator.stop)
-        server = _web_server(create_app(emulator, websockets, _about(camera, settings, zeromq)))
+        diagnosis = Diagnosis(emulator, zeromq.endpoint)
+        stack.callback(diagnosis.stop)
+        app = create_app(emulator, websockets, _about(camera, settings, zeromq), diagnosis)
+        server = _web_server(app)
         stack.enter_context(ended_by_signal(lambda: _end(server)))
         try:
             emulator.start()

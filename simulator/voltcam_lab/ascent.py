@@ -43,9 +43,9 @@ def ascend(
 ) -> Vector:
     """The x (k,) at which the sum of `parts` and the log prior is largest.
 
-    Scoring (Berndt, Hall, Hall, Hausman 1974): the information is the sum of the parts' score products, damped
-    as Levenberg and Marquardt do. Ends when a step gains less than `tolerance` of log likelihood. counts: of how
-    many alike each part is the sum.
+    Scoring (Berndt, Hall, Hall, Hausman 1974): the information is the sum of the parts' score products,
+    damped as Levenberg and Marquardt do. Ends when a step gains less than `tolerance` of log likelihood.
+    counts: of how many alike each part is the sum.
     """
     damping, best = 1e-3, float(parts(x).sum()) + prior.of(x)
     for _ in range(steps):

@@ -1,4 +1,4 @@
-"""The figures to beat on two recordings that have been looked at before: by published simulators, in-sample."""
+"""The figures to beat on two recordings that were looked at before: by published simulators, in-sample."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

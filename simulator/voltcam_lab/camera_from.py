@@ -80,7 +80,8 @@ def camera_from(
     if not health.usable:
         raise CalibrationError("; ".join(finding.words for finding in health.fatal))
     frames, frame_t_us = recording.frames, recording.frame_t_us
-    assert frames is not None and frame_t_us is not None  # fatal to its health
+    assert frames is not None  # fatal to its health
+    assert frame_t_us is not None
     report("light between frames")
     mask, keep = frame_mask(recording), ~hot_pixels(recording)
     cut = _middle(recording)

@@ -80,12 +80,12 @@ def run(arguments: argparse.Namespace) -> int:
         )
         source = arguments.recording.absolute().name
         arguments.out.write_text(found.to_yaml(source), encoding="utf-8")
+        written = [arguments.out]
         if arguments.report:
             progress("report")
-            report = write_report(found, source, arguments.report, arguments.seed)
-    sys.stdout.write("\n".join([*_table(found.estimates), *found.notes]) + f"\n\n{arguments.out} written\n")
-    if arguments.report:
-        sys.stdout.write(f"{report} written\n")
+            written.append(write_report(found, source, arguments.report, arguments.seed))
+    lines = [*_table(found.estimates), *found.notes, "", *(f"{path} written" for path in written)]
+    sys.stdout.write("\n".join(lines) + "\n")
     return 0
 
 

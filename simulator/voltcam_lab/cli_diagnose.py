@@ -4,13 +4,14 @@ import argparse
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from tqdm import tqdm
 
 from voltcam_simulator import Camera, camera_names
 
 from .diagnosis.conclude import camera_of, result_of
-from .diagnosis.identify import identify
+from .diagnosis.identify import identify, short
 from .diagnosis.loop import diagnose
 from .diagnosis.report import page_of
 from .diagnosis.session import MOST_SECONDS, DiagnosisError, Session, session_of
@@ -77,11 +78,11 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _diagnose(session: Session, out: Path, bar: "tqdm[None]") -> None:
+def _diagnose(session: Session, out: Path, bar: "tqdm[Any]") -> None:
     def say(text: str) -> None:
         tqdm.write(text, sys.stdout)
         sys.stdout.flush()
-        bar.set_description_str(text.splitlines()[0].partition(".")[0][:34])
+        bar.set_description_str(text.strip().partition("\n")[0].partition(".")[0][:34])
 
     say(f"Looking at {session.looked_at()}.")
     bar.set_description_str("What this recording can tell")
@@ -92,7 +93,7 @@ def _diagnose(session: Session, out: Path, bar: "tqdm[None]") -> None:
     say("\n" + result.sentence)
     for effect in result.effects:
         for parameter, size in effect.parameters.items():
-            say(f"  {effect.name}.{parameter} = {size.value:.3g}, {size.low:.3g} to {size.high:.3g}")
+            say(f"  {effect.name}.{parameter} = {short(size.value)}, {short(size.low)} to {short(size.high)}")
         if effect.next_recording:
             say(f"  to tell it from {' and '.join(effect.rivals)}, record: {effect.next_recording}")
     say("")
@@ -106,14 +107,17 @@ def _diagnose(session: Session, out: Path, bar: "tqdm[None]") -> None:
         say(f"{out / file} written")
 
 
-def _follow(session: Session, bar: "tqdm[None]") -> None:
+def _follow(session: Session, bar: "tqdm[Any]") -> None:
     """Let the bar show how much of a batch of simulations is done."""
 
     def begin(runs: int) -> None:
         bar.n, bar.total = 0, runs
         bar.refresh()
 
-    session.rig.batch, session.rig.done = begin, lambda: bar.update() and None
+    def end() -> None:
+        bar.update()
+
+    session.rig.batch, session.rig.done = begin, end
 
 
 def _seed(text: str) -> int:

@@ -38,8 +38,8 @@ examples:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Evaluate, with a bar on standard error; the verdicts go to standard output. What cannot be evaluated is a
-    note on the page, and a line on standard error."""
+    """Evaluate, with a bar on standard error; the verdicts go to standard output. What cannot be evaluated is
+    a note on the page, and a line on standard error."""
     evaluations, notes = [], []
     with tqdm(bar_format="{desc} [{elapsed}]", disable=None, leave=False) as bar:
         bar.set_description_str("reading")

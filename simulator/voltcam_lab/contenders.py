@@ -26,8 +26,8 @@ Progress = Callable[[str], None]
 def contenders(
     recording: Recording, fitting: Region, progress: Progress = lambda _: None
 ) -> tuple[Scene, Contenders, list[str]]:
-    """(the light, makers of models by name, notes: what was found, what could not be fitted and why), fitted on
-    `fitting` only.
+    """(the light, makers of models by name, notes: what was found, what could not be fitted and why), fitted
+    on `fitting` only.
 
     Calibrated: all parameters; by the exact law refined, and with it the light that all models are shown.
     Thresholds fitted: the published parameters, with the two thresholds that give as many events of each
@@ -94,8 +94,9 @@ def mask_of(recording: Recording, fitting: Region) -> Mask:
 def _told(refined: Refined) -> str:
     kept = ", ".join(refined.kept) or "none"
     return (
-        f"exact, calibrated: the light between frames {refined.light}; mechanisms that helped pixels which had no part "
-        f"in the choice: {kept}; their score went from {refined.before:.2f} to {refined.after:.2f}"
+        f"exact, calibrated: the light between frames {refined.light}; mechanisms that helped pixels which "
+        f"had no part in the choice: {kept}; their score went from {refined.before:.2f} to "
+        f"{refined.after:.2f}"
     )
 
 

@@ -140,7 +140,7 @@ def judged(
     name: str = "the recording",
     progress: Progress = lambda _: None,
 ) -> Evaluation:
-    """Measure what models gave out, {model: events}, in a region. Raises ValueError as `yardstick_of` does."""
+    """Measure what models gave out, {model: events}, in a region. Raises ValueError as `yardstick_of`."""
     whole = yardstick_of(recording, name)
     yardstick = Yardstick(whole.real, region, whole.light)
     rows = {}

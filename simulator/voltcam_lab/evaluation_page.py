@@ -39,8 +39,9 @@ more between them), and what it gives out is held against what the camera gave o
 
 Fitting and judging share neither a pixel nor a time: tiles of 24 x 24 pixels, crossed with blocks of 400 ms,
 are judged that had no part in any fit (of a recording with few events all four quarters, each by the fit on
-the quarter opposite). The light between frames, the same for all models, is part of the fit of the exact law. Windows around the exposures of frames, in which the camera's own
-readout makes events, are cut out of both streams, and hot pixels left out. The last two rows of a table are
+the quarter opposite). The light between frames, the same for all models, is part of the fit of the exact law.
+Windows around the exposures of frames, in which the camera's own readout makes events, are cut out of both
+streams, and hot pixels left out. The last two rows of a table are
 real events against real events of the same recording: other pixels (a checkerboard) and other times (every
 other 100 ms). No simulation can be expected to come closer than that.
 """
@@ -66,7 +67,11 @@ def write_evaluation(
         progress(f"figures of {evaluation.name}")
         parts.append(_of_recording(evaluation, folder))
     if notes:
-        parts.append("## How models were fitted, and what could not be\n\n" + "\n".join(f"- {note}" for note in notes) + "\n")
+        parts.append(
+            "## How models were fitted, and what could not be\n\n"
+            + "\n".join(f"- {note}" for note in notes)
+            + "\n"
+        )
     progress("held images")
     parts.append(_of_models(folder))
     page = out / "evaluation.md"

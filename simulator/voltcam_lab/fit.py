@@ -10,7 +10,7 @@ from .intervals import Intervals
 from .likelihood import LARGEST, NAMES, START, Likelihood
 from .rest import NO_WAITS, Waits
 
-PRIOR_SD = {name: 1.0 for name in NAMES} | {"k4_per_us": 2.0, "k5_per_dn_us": 2.0, "on_over_off": 0.3}
+PRIOR_SD = dict.fromkeys(NAMES, 1.0) | {"k4_per_us": 2.0, "k5_per_dn_us": 2.0, "on_over_off": 0.3}
 """Of the logarithm of each parameter about its START: a factor 2.7 either way; leaks 7, thresholds 1.35."""
 EM_STEPS = 10
 TILE = 8  # pixels a side: neighbours see the same edges, so they do not count as independent

@@ -14,12 +14,13 @@ ENOUGH = 100_000
 
 
 def folds(region: Region, events: Events) -> list[Halves]:
-    """(what to fit on, what to judge by): halves of the pixels times halves of the time make quarters, and each is
-    judged by the one that it shares nothing with. One way round; all four where events are few."""
+    """(what to fit on, what to judge by): halves of the pixels times halves of the time make quarters, and
+    what is fitted on one is judged by the one it shares nothing with. One way round; all four where events
+    are few."""
     tiles = by_pixels(region, TILE_PIXELS)
     quarters = [by_time(tile, HELD_OUT_US) for tile in tiles]
     ways = [(quarters[i][j], quarters[1 - i][1 - j]) for i in (0, 1) for j in (0, 1)]
-    fitting, judging = ways[0]
+    _, judging = ways[0]
     return ways[:1] if judging.of(events).size >= ENOUGH else ways
 
 

@@ -68,9 +68,7 @@ class Goal:
         found = []
         for third in self._strata.numbers(same):
             for number in range(3):
-                found += [
-                    _histogram(same.decades[(third == number) & (same.group == p)]) for p in (0, 1)
-                ]
+                found += [_histogram(same.decades[(third == number) & (same.group == p)]) for p in (0, 1)]
         return found + [_histogram(pairs.decades[pairs.group == pair]) for pair in range(4)]
 
     @cached_property

@@ -57,7 +57,7 @@ def intervals(
     inside = (t_us - delay_us >= scene.t_us[0]) & (t_us - delay_us + dead_us < scene.t_us[-1])
     pixel, t_us, polarity, window_start = (a[inside] for a in (pixel, t_us, polarity, window_start))
     found: Intervals = np.zeros(len(pixel), INTERVAL)
-    used, row = np.unique(pixel, return_inverse=True)
+    used, row = np.unique(np.asarray(pixel, np.int64), return_inverse=True)
     planes = np.ascontiguousarray(scene.images.reshape(len(scene.images), -1)[:, used].T)
     trusted = np.ascontiguousarray(scene.trusted(tolerance)[:, used].T)
     walk(

@@ -5,6 +5,7 @@ sharp to blurred and back, since frames moved by parts of a pixel and laid over 
 """
 
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -25,8 +26,8 @@ Image = NDArray[np.float32]
 
 
 def calmed(scene: Scene) -> Scene:
-    """The scene of frames that are the mean of STILL_FRAMES where these differ by no more than noise does, and as
-    they were where they differ by more than twice that."""
+    """The scene of frames that are the mean of STILL_FRAMES where these differ by no more than noise does,
+    and as they were where they differ by more than twice that."""
     frames = scene.taken.astype(np.float32)
     noise2 = float(np.mean(np.minimum(np.diff(frames, axis=0) ** 2, NOISIEST_DN**2))) / 2
     mean = uniform_filter1d(frames, STILL_FRAMES, axis=0, mode="nearest")
@@ -36,10 +37,10 @@ def calmed(scene: Scene) -> Scene:
 
 
 def evened(scene: Scene) -> Scene:
-    """All images blurred as the blurriest one between the same two frames is. What was taken stays as it is."""
+    """All images blurred as the blurriest one between the same two frames is; `taken` stays as it is."""
     power = np.array([_power(image) for image in scene.images])
     edges = np.searchsorted(scene.t_us, scene.taken_us)
-    least = np.array([power[i : j + 1].min() for i, j in zip(edges[:-1], edges[1:], strict=True)])
+    least = np.array([power[i : j + 1].min() for i, j in pairwise(edges.tolist())])
     middle = 0.5 * (scene.taken_us[1:] + scene.taken_us[:-1])
     wanted = np.interp(scene.t_us, middle, gaussian_filter1d(least, 1.0))
     even = [
@@ -53,7 +54,9 @@ def sharpened(scene: Scene, amount: float) -> Scene:
     """Each image plus `amount` times what a Gaussian of one pixel takes away from it."""
     blurred = gaussian_filter(scene.images, (0, 1, 1))
     highest = max(WHITE_DN, float(scene.images.max(initial=0)))
-    return replace(scene, images=np.clip(scene.images + np.float32(amount) * (scene.images - blurred), 0, highest))
+    return replace(
+        scene, images=np.clip(scene.images + np.float32(amount) * (scene.images - blurred), 0, highest)
+    )
 
 
 def _power(image: NDArray[Any]) -> float:
@@ -69,5 +72,4 @@ def _blurred_to(image: Image, power: float) -> Image:
             low = middle
         else:
             high = middle
-    blurred: Image = gaussian_filter(image, 0.5 * (low + high))
-    return blurred
+    return np.asarray(gaussian_filter(image, 0.5 * (low + high)), np.float32)

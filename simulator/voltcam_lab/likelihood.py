@@ -130,7 +130,8 @@ class Likelihood:
         passed = self.weights * (self._log_density(t, p) + self._not_other(t, p))
         each = np.concatenate([passed, self._log_survival(t, p)])
         spread = np.bincount(self._pixel_of_group, self._own(t, p)[1], minlength=len(self.pixels))
-        return np.asarray(np.bincount(self._pixel, each, minlength=len(self.pixels)) + spread)
+        own = np.bincount(self._pixel, each, minlength=len(self.pixels))
+        return np.asarray(own + spread, np.float64)
 
     def _log_density(self, t: Terms, p: Mapping[str, float]) -> Vector:
         """ln p(t) of the intervals with an event, without what their pixel has in common."""

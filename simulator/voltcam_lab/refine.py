@@ -1,86 +1,50 @@
 """A camera's parameters refined by simulation: what the likelihood of single intervals cannot tell.
 
-The light itself (how sharp, how a grey level stands for light), how late events are and why, noise out of the
-blue, readout: each changes what a simulation gives out, so it is tried, with the same random numbers each time
-(Gourieroux, Monfort, Renault 1993; coordinate search as Hooke and Jeeves 1961). Steps are judged on one part of
-the pixels; a mechanism, or other light, stays only if the other part, which saw no steps, comes closer too.
+The light itself (how sharp, how a grey level stands for light), how late events are and why, noise out of
+the blue: each changes what a simulation gives out, so it is tried, with the same random numbers each time
+(Gourieroux, Monfort, Renault 1993; coordinate search as Hooke and Jeeves 1961). Steps are judged on one part
+of the pixels; a mechanism, or other light, stays only if the other part, which saw no steps, comes closer.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from voltcam_simulator import Parameters
 
+from .coordinates import (
+    ABSENT,
+    BENT,
+    CORE,
+    DELAYS_US,
+    OFFERED,
+    WHITE_DN,
+    Offers,
+    Point,
+    bent,
+    parameters_of,
+    point_of,
+)
 from .distances import Light, Region, by_pixels
 from .goal import Goal
+from .light_between import calmed, evened, sharpened
 from .replay import Replay
 from .scene import Scene
-from .light_between import calmed, evened, sharpened
 
 DEVELOPED_PIXELS = 12  # side of the tiles, every other one of which judges what is kept
 LONGEST = 40e6  # pixels times images of light that are simulated: the busiest stretch of more than that
-WHITE_DN = 255.0
-DARK_DN = 4.0  # grey levels below that are near a camera's black, where they tell least of the light
 BETTER = 0.998  # of the score, for what is new to stay
 SHARPENING = (0.15, 0.3, 0.45)
-
-Point = Mapping[str, float]
-"""Coordinates of the search; positive, except that what may be absent is 0 then.
-
-gain: events for a change of ln (grey level) where it is bright, k1 times gamma. knee_dn: grey level that stands
-for a light of k2. So curvature (gamma), dark level and gain can each be moved without the others."""
-
-CORE = ("gain", "on_over_off", "knee_dn", "delay_us", "period_us")
-Offers = tuple[tuple[str, tuple[float, ...]], ...]
-OFFERED: Offers = (
-    ("gamma", (0.75, 0.55, 1.35)),
-    ("threshold_spread", (0.05, 0.12)),
-    ("reset_spread", (0.03, 0.08)),
-    ("coupling", (0.001, 0.003, 0.008)),
-    ("cutoff_hz", (1500.0, 500.0, 200.0)),
-    ("jitter_us", (100.0, 500.0)),
-    ("k4_per_us", (1e-8, 1e-7)),
-    ("k5_per_dn_us", (1e-10, 1e-9)),
-    ("leak_spread", (0.3,)),
-    ("k3", (3e-4, 1e-3)),
-    ("k6", (3e-5, 1e-4)),
-    ("shot_c", (3e-3, 1e-2)),
-    ("pairs_hz", (0.03, 0.3)),
-    ("hot", (3e-4, 3e-3)),
-)
-"""Mechanisms that may be there or not, the likely ones first, and sizes to try them at."""
-
-BENT = ("gain", "knee_dn", "on_over_off")
-ABSENT = {name: 0.0 for name, _ in OFFERED} | {"gamma": 1.0}
-PLACES = {
-    "delay_us": ("latency", "delay_us"),
-    "jitter_us": ("latency", "jitter_us"),
-    "period_us": ("refractory_period", "period_us"),
-    "gamma": ("input_response", "gamma_exponent"),
-    "threshold_spread": ("threshold_mismatch", "sigma"),
-    "reset_spread": ("reset_noise", "sigma"),
-    "coupling": ("crosstalk", "coupling"),
-    "cutoff_hz": ("photoreceptor_bandwidth", "cutoff_hz"),
-    "k3": ("photon_noise", "k3"),
-    "k4_per_us": ("junction_leak", "k4_per_us"),
-    "k5_per_dn_us": ("parasitic_photocurrent", "k5_per_dn_us"),
-    "leak_spread": ("leak_mismatch", "sigma"),
-    "k6": ("leak_noise", "k6"),
-    "shot_c": ("low_light_shot_noise", "c"),
-    "pairs_hz": ("noise_pairs", "rate_hz"),
-    "hot": ("hot_pixels", "fraction"),
-}
 
 
 @dataclass(frozen=True, eq=False)
 class Refined:
-    """parameters: of the camera. scene: the light they belong to; light: what was done to it. kept: mechanisms that are there; dropped: tried, of no use. before, after: scores of the pixels that
-    took part in no step."""
+    """parameters: of the camera. scene: the light they belong to; light: what was done to it. kept:
+    mechanisms that are there; dropped: tried, of no use. before, after: scores of the pixels that took part
+    in no step."""
 
     parameters: Parameters
     scene: Scene
@@ -106,14 +70,8 @@ def refine(
     coordinate for stay as they are in `start`.
     """
     part = _busiest(events, scene, fitting)
-    search = _Search(
-        start,
-        *(Goal(events, half, light) for half in by_pixels(part, DEVELOPED_PIXELS)),
-        scene,
-        part,
-        seed,
-        report,
-    )
+    seen, other = (Goal(events, half, light) for half in by_pixels(part, DEVELOPED_PIXELS))
+    search = _Search(start, seen, other, scene, part, seed, report)
     point = point_of(start)
     before = search.unseen(point)
     point = search.first(point)
@@ -131,57 +89,6 @@ def refine(
         before=before,
         after=search.unseen(point),
     )
-
-
-def point_of(parameters: Parameters) -> dict[str, float]:
-    """Coordinates of a camera."""
-    comparator, response = parameters.comparator, parameters.contrast_response
-    point = {name: float(getattr(getattr(parameters, at), key)) for name, (at, key) in PLACES.items()}
-    unit = math.sqrt(comparator.theta_on * comparator.theta_off)
-    for name in ("reset_spread", "coupling", "k3", "k4_per_us", "k5_per_dn_us", "k6", "shot_c"):
-        point[name] /= unit
-    gamma = point["gamma"]
-    return point | {
-        "gain": response.k1 * gamma / unit,
-        "on_over_off": comparator.theta_on / comparator.theta_off,
-        "knee_dn": WHITE_DN * (response.k2_dn / WHITE_DN) ** (1 / gamma),
-    }
-
-
-def parameters_of(point: Point, base: Parameters) -> Parameters:
-    """The camera at these coordinates; the rest as in `base`. Raises pydantic's ValidationError, a ValueError,
-    where they are outside of what parameters may be."""
-    changes: dict[str, dict[str, float]] = {}
-    for name, (effect, parameter) in PLACES.items():
-        changes.setdefault(effect, {})[parameter] = point[name]
-    gamma, ratio = point["gamma"], math.sqrt(point["on_over_off"])
-    changes["contrast_response"] = {
-        "k1": point["gain"] / gamma,
-        "k2_dn": WHITE_DN * (point["knee_dn"] / WHITE_DN) ** gamma,
-    }
-    changes["comparator"] = {"theta_on": ratio, "theta_off": 1 / ratio}
-    return base.changed(changes)
-
-
-def _response(point: Point, grey_dn: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Voltage of grey levels, from that of the first one on."""
-    gamma = point["gamma"]
-    light = np.log(grey_dn**gamma + point["knee_dn"] ** gamma)
-    return np.asarray(point["gain"] / gamma * (light - light[0]))
-
-
-def _bent(point: Point, gamma: float) -> dict[str, float]:
-    """Another gamma, and the gain and knee with which all but the dark responds as before."""
-    grey_dn = np.geomspace(DARK_DN, WHITE_DN / 2, 30)
-    wanted = _response(point, grey_dn)
-
-    def at(log: NDArray[np.float64]) -> dict[str, float]:
-        return {**point, "gamma": gamma, "gain": math.exp(log[0]), "knee_dn": math.exp(log[1])}
-
-    start = np.log([point["gain"], point["knee_dn"]])
-    ends = start - 3, start + 3
-    found = least_squares(lambda log: _response(at(log), grey_dn) - wanted, start, bounds=ends)
-    return at(found.x)
 
 
 def _busiest(events: NDArray[np.void], scene: Scene, region: Region) -> Region:
@@ -213,6 +120,8 @@ class _Search:
 
     def score(self, point: Point) -> float:
         """What steps are judged by; inf where there is no such camera."""
+        if point["knee_dn"] > WHITE_DN:  # of no consequence any more
+            return math.inf
         try:
             return self.seen.score(self._events(point))
         except ValueError:
@@ -235,7 +144,7 @@ class _Search:
         for _ in range(rounds):
             for name in names:
                 for sign in (1, -1):
-                    tried = point | {name: point[name] * math.exp(sign * sizes[name])}
+                    tried = self._with(point, name, point[name] * math.exp(sign * sizes[name]))
                     value = self.score(tried)
                     if value < best:
                         point, best, sizes[name] = tried, value, sign * sizes[name] * 1.4
@@ -250,6 +159,10 @@ class _Search:
         point = dict(point)
         point["delay_us"], point["period_us"] = max(point["delay_us"], 100.0), max(point["period_us"], 100.0)
         best = self.score(point)
+        for late_us in DELAYS_US:  # events that come early or late bend all the rest
+            tried, value = self.moved(point | {"delay_us": late_us}, ("gain",), 0.3, 2)
+            if value < best:
+                point, best = tried, value
         for names in (("reset_spread",), ("k3", "k6"), ("k4_per_us", "k5_per_dn_us"), ("threshold_spread",)):
             for share in (0.0, 0.3):
                 tried = point | {name: share * point[name] for name in names}
@@ -278,10 +191,8 @@ class _Search:
                     self.replay = former
         return found, scene, done
 
-    def offered(
-        self, point: dict[str, float], offers: Offers
-    ) -> tuple[dict[str, float], tuple[str, ...]]:
-        """The point with those mechanisms that help pixels which did not choose them, and all that are there."""
+    def offered(self, point: dict[str, float], offers: Offers) -> tuple[dict[str, float], tuple[str, ...]]:
+        """The point with those mechanisms that help pixels which did not choose them; all that it has."""
         kept = [name for name, _ in OFFERED if point[name] != ABSENT[name]]
         best, unseen = self.score(point), self.unseen(point)
         for name, values in offers:
@@ -307,9 +218,10 @@ class _Search:
         """A mechanism at a size; what it makes late is taken from the delay, what it bends from the gain."""
         changed = point | {name: value}
         if name == "gamma":
-            return _bent(point, value)
+            return bent(point, value)
         if name == "cutoff_hz":
-            changed["delay_us"] = max(point["delay_us"] - 2e6 / (2 * math.pi * value), 1.0)
+            slower_us = 2e6 / (2 * math.pi) * (1 / value - 1 / (point[name] or math.inf))
+            changed["delay_us"] = max(point["delay_us"] - slower_us, 1.0)
         return changed
 
     def polished(self, point: dict[str, float], names: tuple[str, ...]) -> dict[str, float]:

@@ -41,14 +41,14 @@ def unbiased(
     for twins in TWINS:
         values, parts = named(truth), []
         parameters = parameters_of(values, dead_us, delay_us)
-        for _ in range(twins):
-            made += 1
-            report(f"twin {made} of {sum(TWINS)}")
-            if made % PER_LIGHT == 1:
-                retaken = retake(reading.scene, np.random.default_rng(seed + made), values["bend_error"])
-            own = replace(reading, events=twin(retaken, parameters, seed + made), scene=retaken.scene)
-            seen, waited = own.intervals(dead_us, delay_us), own.waits()
-            parts.append(maximise(seen, dead_us, truth, em_steps=1, waits=waited)[0])
+        for _ in range(twins // PER_LIGHT):
+            retaken = retake(reading.scene, np.random.default_rng(seed + made + 1), values["bend_error"])
+            for _ in range(PER_LIGHT):
+                made += 1
+                report(f"twin {made} of {sum(TWINS)}")
+                own = replace(reading, events=twin(retaken, parameters, seed + made), scene=retaken.scene)
+                seen, waited = own.intervals(dead_us, delay_us), own.waits()
+                parts.append(maximise(seen, dead_us, truth, em_steps=1, waits=waited)[0])
         fits = np.array(parts)
         truth = _corrected(truth, fitted.log, fits, known)
     return truth, np.asarray(fits.std(axis=0, ddof=1) * np.sqrt(1 + 1 / len(fits)))
@@ -60,7 +60,7 @@ def _corrected(truth: Vector, found: Vector, fits: NDArray[np.float64], known: V
 
     Spreads add up in squares: one that is all error of the fit goes to nothing.
     """
-    corrected = truth - known * np.clip(fits.mean(axis=0) - found, -1, 1)
+    corrected: Vector = truth - known * np.clip(fits.mean(axis=0) - found, -1, 1)
     for i, name in enumerate(NAMES):
         if name.endswith("_spread"):
             square = np.exp(2 * truth[i]) - np.exp(2 * fits[:, i]).mean() + np.exp(2 * found[i])

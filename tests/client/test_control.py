@@ -4,6 +4,7 @@ import json
 import threading
 from collections.abc import Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -63,6 +64,12 @@ def test_each_method_is_one_request(daemon: Daemon) -> None:
     control.set_source("a.mp4", loop=True)
     control.start_recording("run.npz")
     control.stop_recording()
+    control.start_diagnosis(Path("walk.npz"))
+    control.start_diagnosis(stream="tcp://robot:5560", seconds=5)
+    control.diagnosis()
+    control.end_diagnosis()
+    control.accept_diagnosis()
+    control.revert_diagnosis()
     control.status()
     assert daemon.asked == [
         ("GET", "/api/v1/camera", None),
@@ -72,6 +79,12 @@ def test_each_method_is_one_request(daemon: Daemon) -> None:
         ("PUT", "/api/v1/source", {"uri": "a.mp4", "loop": True}),
         ("POST", "/api/v1/recording", {"path": "run.npz"}),
         ("DELETE", "/api/v1/recording", None),
+        ("POST", "/api/v1/diagnosis", {"reference": "walk.npz"}),
+        ("POST", "/api/v1/diagnosis", {"stream": "tcp://robot:5560", "seconds": 5}),
+        ("GET", "/api/v1/diagnosis", None),
+        ("DELETE", "/api/v1/diagnosis", None),
+        ("POST", "/api/v1/diagnosis/accept", None),
+        ("POST", "/api/v1/diagnosis/revert", None),
         ("GET", "/api/v1/status", None),
     ]
 

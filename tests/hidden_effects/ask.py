@@ -27,7 +27,7 @@ _DAVIS240C: dict[str, dict[str, Any]] = {
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """All that the diagnosis gets. without: effect to leave out of the catalogue; twice: one to list again."""
+    """All that the diagnosis gets. without: effect to leave out of the catalogue; twice: to list again."""
 
     events: NDArray[Any]
     frames: NDArray[Any]

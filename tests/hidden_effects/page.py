@@ -4,8 +4,9 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 
 import numpy as np
+from tests.generator import FAULTS, UNLISTED
 
-from .cases import FPS, HEIGHT, REPORTED_FROM, SECONDS, SINGLES, WIDTH, Case
+from .cases import FPS, FURTHER, HEIGHT, REPORTED_FROM, SECONDS, SINGLES, WIDTH, Case
 from .run import Line
 from .score import Figure, Judged, controls, judged, share_removed, table
 
@@ -29,44 +30,44 @@ def page(cases: Sequence[Case], lines: Sequence[Line], seed: int) -> str:
 
 
 _TABLE = """\
-Intervals: 95 %, Clopper and Pearson's for shares, between order statistics for medians. Met or not goes by the figure,
-not by its interval. A case that crashed counts as wrong. A diagnosis that gives a set of effects which explain a
-recording equally well, with the true one in it but not first, has not named it, and has not named a wrong one."""
+Intervals: 95 %, Clopper and Pearson's for shares, between order statistics for medians. Met or not goes by
+the figure, not by its interval. A case that crashed counts as wrong. A diagnosis that gives a set of effects
+which explain a recording equally well, with the true one in it but not first, has not named it, and has not
+named a wrong one."""
 _CONTROLS = "Section 5 asks for no figure here. A crash counts as a wrong name."
 _BY_EFFECT = """\
-Named of how many, by level; median of the share of the removable held-out gap that was removed, and of the size found
-over the hidden one, where named."""
+Named of how many, by level; median of the share of the removable held-out gap that was removed, and of the
+size found over the hidden one, where named."""
 _UNLISTED = """\
-The formula is that of the generic term which the diagnosis added, where it did; "unknown" stays the verdict. The names
-are those of `tests/generator/unlisted.py`."""
+The formula is that of the generic term which the diagnosis added, where it did; "unknown" stays the verdict.
+The names are those of `tests/generator/unlisted.py`."""
 _CONFUSION = """\
-Rows are what was hidden, columns what was answered, by the letters of the rows; a verdict of two names counts twice.
-Pairs and sabotaged recordings are left out."""
+Rows are what was hidden, columns what was answered, by the letters of the rows; a verdict of two names counts
+twice. Pairs and sabotaged recordings are left out."""
 _WRONG = "Each can be made again from its seed."
 
 
 def _head(cases: Sequence[Case], found: Sequence[Judged], seed: int) -> str:
     first, last = cases[0].seed, cases[-1].seed
+    reported = seed >= REPORTED_FROM
     use = (
-        "the report's: development uses seeds below"
-        if seed >= REPORTED_FROM
-        else "for development, not below"
+        "the report's; development has those below" if reported else "for development; the report's begin at"
     )
     versions = Counter(one.line.code for one in found)
     code = ", ".join(f"{name} ({n})" for name, n in versions.most_common())
     mixed = " Verdicts come from more than one version of it." if len(versions) > 1 else ""
-    part = (
-        "" if len(found) == len(cases) else f" **Not finished: {len(found)} of {len(cases)} cases have run.**"
-    )
+    left = f" **Not finished: {len(found)} of {len(cases)} cases have run.**"
+    part = left if len(found) < len(cases) else ""
     return f"""# Hidden effects
 
 Written by `make hidden-effects`; not by hand.{part}
 
-Each case is a recording of {SECONDS:g} s and {WIDTH} x {HEIGHT} pixels, made by `tests/generator`, which shares no code
-with simulator and lab, forms effects in its own way, and has every base parameter off by up to 30 %, on a scene of its
-own. The diagnosis gets events, frames (8 bit, {FPS:g} fps where nothing else is said) and the published parameters of
-the camera, on one thread. Its verdict is on disk before the answer is drawn from the seed. Seeds are {first} to {last},
-{use} {REPORTED_FROM}. Asked figures are those of `DIAGNOSIS.md`, section 5.
+Each case is a recording of {SECONDS:g} s and {WIDTH} x {HEIGHT} pixels, made by `tests/generator`, which
+shares no code with simulator and lab, forms effects in its own way, and has every base parameter off by up to
+30 %, on a scene of its own. The diagnosis gets events, frames (8 bit, {FPS:g} fps where nothing else is said)
+and the published parameters of the camera, on one thread. Its verdict is on disk before the answer is drawn
+from the seed. Seeds are {first} to {last}, {use} {REPORTED_FROM}.
+Asked figures are those of `DIAGNOSIS.md`, section 5.
 
 Sources of simulator, lab and generator (digest, verdicts): {code or "none yet"}.{mixed}"""
 
@@ -111,15 +112,15 @@ def _middle(values: Sequence[float]) -> str:
 
 
 def _unlisted(found: Sequence[Judged]) -> str:
-    return _grid(
-        ("hidden", "level", "verdict", "formula"),
-        sorted(
-            (effect, level, _answered(one), f"`{verdict.formula}`" if verdict and verdict.formula else "")
-            for one in found
-            if one.case.part == "unlisted"
-            for (effect, level), verdict in [(one.case.effects[0], one.line.verdict)]
-        ),
-    )
+    rows = []
+    for effect in UNLISTED:
+        of = [one for one in found if one.case.part == "unlisted" and one.case.effects[0][0] == effect]
+        answers = [
+            ", ".join(_answered(one) for one in of if one.case.effects[0][1] == level) for level in LEVELS[:2]
+        ]
+        formulas = [one.line.verdict.formula for one in of if one.line.verdict and one.line.verdict.formula]
+        rows.append((effect, *answers, ", ".join(f"`{formula}`" for formula in formulas)))
+    return _grid(("hidden", *LEVELS[:2], "formulas"), rows)
 
 
 def _answered(one: Judged) -> str:
@@ -136,7 +137,9 @@ def _confusion(found: Sequence[Judged]) -> str:
         hidden = one.case.effects[0][0] if one.case.effects else one.case.fault or "nothing"
         count.setdefault(hidden, Counter()).update(_answered(one).split(", "))
     given = {name for answers in count.values() for name in answers}
-    names = [*count, *sorted(given - set(count) - set(_ANSWERS))]
+    order = (*SINGLES, *FURTHER, *UNLISTED, *FAULTS, "nothing")
+    names = [name for name in order if name in count or name in given]
+    names += sorted(given - {*names, *_ANSWERS})
     letters = {name: _letter(n) for n, name in enumerate(names)}
     columns = [name for name in names if name in given]
     rows = []
@@ -159,8 +162,10 @@ def _wrong(found: Sequence[Judged]) -> str:
     wrong = [one for one in found if one.outcome in ("wrong", "crashed")]
     if not wrong:
         return "None."
-    rows = [
-        (one.case.name, str(one.case.seed), one.line.error.replace("|", "/") or _answered(one))
-        for one in wrong
-    ]
+    rows = [(one.case.name, str(one.case.seed), _flat(one.line.error) or _answered(one)) for one in wrong]
     return _grid(("case", "seed", "answer"), rows)
+
+
+def _flat(words: str) -> str:
+    """Fit for a cell."""
+    return " ".join(words.split()).replace("|", "/")

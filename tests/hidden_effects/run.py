@@ -4,7 +4,7 @@ import hashlib
 import os
 import signal
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
@@ -57,7 +57,7 @@ def question(case: Case, recording: Recorded) -> Question:
     )  # fmt: skip
 
 
-def run(cases: Iterable[Case], file: Path, jobs: int, work: Work = diagnosed) -> Iterator[Line]:
+def run(cases: Iterable[Case], file: Path, jobs: int, work: Work = diagnosed) -> Generator[Line, None, None]:
     """Diagnose the cases without a line in `file`, `jobs` at a time; yields lines when they are written."""
     done = {line.case for line in read(file)}
     file.parent.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,6 @@
-"""How far off `calibrate` is, and how often its intervals hold: docs/calibration.md, by `make calibration-table`.
+"""How far off `calibrate` is, and how often its intervals hold: docs/calibration.md.
+
+By `make calibration-table`.
 
 Recordings are made by tests/generator, which shares no code with the simulator: parameters drawn at random,
 48 x 36 pixels, 6 s, frames in 8 bit.
@@ -10,8 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-
 from tests.generator import draw_base, draw_scene, record
+
 from voltcam_lab.calibrate import Reading, calibrate, scene_between
 from voltcam_lab.estimates import Estimate
 
@@ -21,11 +23,11 @@ RATES = {240: 20, 100: 10, 25: 20}  # frames a second: recordings
 
 TEXT = """# How well `voltcam calibrate` finds a camera
 
-Written by `make calibration-table`; do not edit. Recordings of a camera that is known, made by tests/generator,
-which shares no code with the simulator: 48 x 36 pixels, 6 s, frames in 8 bit, each parameter off by up to 30 %
-from a published set, every scene another. Error: the median of |ln(found / true)|. Cover: how many of the 90 %
-intervals hold the truth. Determined: of how many recordings the command says that the data fix the parameter;
-where it does not, it says so, and the prior, a factor of 5 to 27 either way, is what the interval shows.
+Written by `make calibration-table`; do not edit. Recordings of a camera that is known, made by
+tests/generator, which shares no code with the simulator: 48 x 36 pixels, 6 s, frames in 8 bit, each parameter
+off by up to 30 % from a published set, every scene another. Error: the median of |ln(found / true)|. Cover:
+how many of the 90 % intervals hold the truth. Determined: of how many recordings the command says that the
+data fix the parameter; where it does not, it says so, and the prior is what the interval shows.
 """
 
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from tests.lab.calibration_table import Row, reading_of, rows_of
+
 from voltcam_lab.calibrate import Calibration, CalibrationError, Reading, calibrate
 from voltcam_lab.health import exposure_windows, frame_mask
 from voltcam_lab.recordings import load

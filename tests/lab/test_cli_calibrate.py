@@ -5,14 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from tests.generator import draw_base, draw_scene, record
+
 from voltcam_client import cli
 from voltcam_client.encodings import EVENT
 from voltcam_client.formats import open_writer
 from voltcam_lab import cli_calibrate
-from voltcam_lab.camera_from import camera_from
 from voltcam_lab.calibrate import CalibrationError
+from voltcam_lab.camera_from import camera_from
 from voltcam_lab.recordings import load
 from voltcam_simulator import Camera, Simulator
 

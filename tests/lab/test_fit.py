@@ -37,7 +37,7 @@ def test_leak_is_found_within_its_error() -> None:
 
 
 def test_noise_is_found_as_far_as_it_shows() -> None:
-    """sigma at 100 DN, where k3 and k6 are not told apart, to 20 %: spreads, of which there are none, take some."""
+    """sigma at 100 DN, where k3 and k6 are not told apart, to 20 %: spreads take some of it."""
     found = fit(drawn(600, 4, seed=2), 0.0, width=40)
     sigma = found.values["k3"] * 10 / (100 + found.values["k2_dn"]) + found.values["k6"]
     assert sigma == pytest.approx(TRUTH["k3"] * 10 / 120 + TRUTH["k6"], rel=0.2)

@@ -65,7 +65,7 @@ def test_rows_are_masked_in_turn() -> None:
 
 
 def test_large_time_stamps_stay_exact() -> None:
-    """An event outside every mask keeps its time to the bit, though rows have delays of parts of microseconds."""
+    """An event outside every mask keeps its time to the bit, though rows' delays have fractions."""
     t_us = np.array([1_589_163_147_365_215, 1_589_163_147_365_216], np.float64)
     mask = Mask(row_windows=np.array([[0, 10]]), us_per_row=35.3365)
     assert (mask.start(t_us, np.array([17, 251])) == t_us).all()

@@ -8,21 +8,37 @@ import pytest
 from tests.generator import Effect, draw_scene, record
 from tests.generator.base import Base
 
+from voltcam_lab.coordinates import parameters_of, point_of, response
 from voltcam_lab.distances import Light, Region, Yardstick, held_out
 from voltcam_lab.goal import Goal
 from voltcam_lab.light_between import calmed, evened, sharpened
 from voltcam_lab.models import MODELS, simulate
-from voltcam_lab.refine import Refined, parameters_of, point_of, refine
+from voltcam_lab.refine import Refined, refine
 from voltcam_lab.replay import Replay
 from voltcam_lab.scene import Scene, scene_of
 from voltcam_simulator import Parameters
 
-WIDTH, HEIGHT, SECONDS, LATE_US = 72, 48, 2.4, 3000
-BASE = Base("none", k1=5.0, k2=20.0, k3=1e-4, k4=0.0, k5=0.0, k6=1e-5, theta_on=1.2, theta_off=1 / 1.2)
-HIDDEN = (Effect("threshold_mismatch", "", {"sigma": 0.15, "log_normal": 0.0}), Effect("reset_noise", "", {"sigma": 0.15}))
-START = Parameters().changed(
-    {"contrast_response": {"k1": 3.5, "k2_dn": 20.0}, "photon_noise": {"k3": 1e-4}, "leak_noise": {"k6": 1e-5}}
+WIDTH, HEIGHT, SECONDS, LATE_US = 72, 48, 1.6, 3000
+BASE = Base("none", k1=12.0, k2=20.0, k3=1e-4, k4=0.0, k5=0.0, k6=1e-5, theta_on=1.2, theta_off=1 / 1.2)
+HIDDEN = (
+    Effect("threshold_mismatch", "", {"sigma": 0.15, "log_normal": 0.0}),
+    Effect("reset_noise", "", {"sigma": 0.15}),
 )
+START = Parameters().changed({
+    "contrast_response": {"k1": 9.0, "k2_dn": 20.0},
+    "photon_noise": {"k3": 1e-4},
+    "leak_noise": {"k6": 1e-5},
+    "reset_noise": {"sigma": 0.1},
+    "threshold_mismatch": {"sigma": 0.1},
+})  # fmt: skip
+
+TRUTH = START.changed({
+    "contrast_response": {"k1": BASE.k1},
+    "comparator": {"theta_on": BASE.theta_on, "theta_off": BASE.theta_off},
+    "threshold_mismatch": {"sigma": 0.15},
+    "reset_noise": {"sigma": 0.15},
+    "latency": {"delay_us": LATE_US},
+})  # fmt: skip
 
 
 class Recording:
@@ -55,13 +71,18 @@ def refined(recording: Recording) -> Refined:
 
 
 def test_what_was_not_looked_at_comes_closer(recording: Recording, refined: Refined) -> None:
+    """As close as the camera's own parameters are, within the luck of patterns and of few events."""
     yardstick = Yardstick(recording.events, recording.judging, recording.light)
-    before, after = (
+    before, after, best = (
         yardstick.distances(simulate(MODELS["exact"](WIDTH, HEIGHT, parameters, 1), scene))
-        for parameters, scene in ((START, recording.scene), (refined.parameters, refined.scene))
+        for parameters, scene in (
+            (START, recording.scene),
+            (refined.parameters, refined.scene),
+            (TRUTH, recording.scene),
+        )
     )
-    assert after["W1"] < before["W1"] / 2
-    assert after["pair"] < before["pair"] / 2
+    for name in ("W1", "pair", "TVs"):
+        assert after[name] < min(0.75 * before[name], 1.25 * best[name]), name
     assert after["b4"] > before["b4"]
     assert refined.after < refined.before / 2
 
@@ -69,10 +90,11 @@ def test_what_was_not_looked_at_comes_closer(recording: Recording, refined: Refi
 def test_parameters_are_those_of_the_camera(refined: Refined) -> None:
     """One recording, one seed: tolerances are several times what other seeds differ by."""
     found = refined.parameters
-    assert found.latency.delay_us == pytest.approx(LATE_US, abs=600)
+    assert found.latency.delay_us == pytest.approx(LATE_US, abs=900)  # frames are 10 ms apart
     assert found.comparator.theta_on / found.comparator.theta_off == pytest.approx(1.44, rel=0.12)
-    assert point_of(found)["gain"] == pytest.approx(BASE.k1, rel=0.15)
-    assert "threshold_spread" in refined.kept or "reset_spread" in refined.kept
+    change = response(point_of(found), np.array([40.0, 160.0]))[1]  # however bent
+    assert change == pytest.approx(BASE.k1 * np.log((160 + BASE.k2) / (40 + BASE.k2)), rel=0.12)
+    assert {"threshold_spread", "reset_spread"} & set(refined.kept)
     assert 0.08 < np.hypot(found.threshold_mismatch.sigma, found.reset_noise.sigma) < 0.35
 
 
@@ -91,7 +113,7 @@ def test_coordinates_are_the_camera() -> None:
     found = parameters_of(point_of(camera), camera)
     assert found.comparator.theta_on == pytest.approx(2.0)
     assert found.comparator.theta_off == pytest.approx(0.5)
-    assert found.contrast_response.k1 == pytest.approx(3.5 / 1.5)
+    assert found.contrast_response.k1 == pytest.approx(9.0 / 1.5)
     assert found.contrast_response.k2_dn == pytest.approx(20.0)
     assert found.reset_noise.sigma == pytest.approx(0.1)
     assert found.input_response.gamma_exponent == pytest.approx(0.7)
@@ -126,7 +148,7 @@ def test_noise_is_calmed_where_nothing_moves() -> None:
 def test_images_between_frames_are_as_sharp_as_the_others() -> None:
     rng = np.random.default_rng(1)
     sharp = (60 + 40 * rng.random((3, 40, 40))).astype(np.float32)
-    blurred = 0.25 * sum(np.roll(sharp, (dy, dx), (1, 2)) for dy in (0, 1) for dx in (0, 1))
+    blurred = np.mean([np.roll(sharp, (dy, dx), (1, 2)) for dy in (0, 1) for dx in (0, 1)], axis=0)
     images = np.stack([sharp[0], blurred[0], sharp[1], blurred[1], sharp[2]]).astype(np.float32)
     taken_us = np.array([0, 20_000, 40_000])
     scene = Scene(sharp, taken_us, images, np.arange(5) * 10_000)

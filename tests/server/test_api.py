@@ -24,6 +24,7 @@ from websockets.sync.client import connect
 
 from voltcam_client.formats import read
 from voltcam_server.api import CameraAnswer, check_encoding, create_app
+from voltcam_server.diagnosis import Diagnosis
 from voltcam_server.emulator import Emulator
 from voltcam_server.problems import UsageError
 from voltcam_server.transports import WebSocketTransport
@@ -31,6 +32,8 @@ from voltcam_simulator import Camera
 
 from .rig import PATIENCE_S, Listener, emulating, tiny, web_server
 from .test_emulator import SCENE
+
+NO_ZMQ = "tcp://127.0.0.1:5560"  # as the camera says; nobody is there
 
 
 @dataclass
@@ -58,7 +61,7 @@ def about(camera: Camera) -> CameraAnswer:
         law="exact",
         seed=0,
         encoding="libcaer",
-        zmq="tcp://127.0.0.1:5560",
+        zmq=NO_ZMQ,
         parameters=camera.parameters,
     )
 
@@ -69,7 +72,7 @@ def api() -> Iterator[Api]:
     websockets = WebSocketTransport("here")
     with (
         emulating(SCENE, camera) as (emulator, listener),
-        web_server(create_app(emulator, websockets, about(camera))) as address,
+        web_server(create_app(emulator, websockets, about(camera), Diagnosis(emulator, NO_ZMQ))) as address,
         httpx.Client(base_url=f"http://{address}/api/v1/", trust_env=False) as http,
     ):
         yield Api(emulator, listener, http, address)
@@ -189,7 +192,9 @@ def test_health_and_metrics(api: Api) -> None:
 
 def test_not_ready_before_the_first_frame() -> None:
     emulator = Emulator(tiny(), SCENE)
-    with web_server(create_app(emulator, WebSocketTransport("here"), about(emulator.camera))) as address:
+    diagnosis = Diagnosis(emulator, NO_ZMQ)
+    app = create_app(emulator, WebSocketTransport("here"), about(emulator.camera), diagnosis)
+    with web_server(app) as address:
         assert httpx.get(f"http://{address}/readyz", trust_env=False).status_code == 503
         assert httpx.get(f"http://{address}/healthz", trust_env=False).status_code == 200
         emulator.failure = RuntimeError("a bug")
@@ -232,6 +237,10 @@ def test_openapi_describes_the_bodies(api: Api) -> None:
         "/parameters/schema",
         "/source",
         "/recording",
+        "/diagnosis",
+        "/diagnosis/accept",
+        "/diagnosis/revert",
+        "/diagnosis/report",
         "/status",
     }
     assert "requestBody" in paths["/api/v1/parameters"]["patch"]

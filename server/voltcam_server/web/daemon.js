@@ -39,7 +39,7 @@ export class Backoff {
   }
 }
 
-/** A WebSocket of messages, each a MessagePack header and a raw buffer, reopened until `close`. */
+/** A WebSocket of messages, each a MessagePack header and a raw buffer, or JSON text, reopened until `close`. */
 export class Stream {
   #url;
   #onMessage;
@@ -48,7 +48,7 @@ export class Stream {
   #socket = null;
   #retry = 0;
 
-  /** onMessage(header, ArrayBuffer) for each message, onOpen() for each connection. */
+  /** onMessage(header, ArrayBuffer) or onMessage(json) for each message, onOpen() for each connection. */
   constructor(path, onMessage, onOpen = () => {}) {
     this.#url = new URL(path, API);
     this.#url.protocol = this.#url.protocol.replace("http", "ws");
@@ -62,9 +62,9 @@ export class Stream {
     socket.binaryType = "arraybuffer";
     socket.onopen = () => this.#onOpen();
     socket.onmessage = ({ data }) => {
-      const [header, used] = decode(data);
+      const parts = read(data);
       this.#backoff.reset();
-      this.#onMessage(header, data.slice(used));
+      this.#onMessage(...parts);
     };
     socket.onclose = () => {
       if (socket !== this.#socket) return;
@@ -79,4 +79,10 @@ export class Stream {
     this.#socket = null;
     socket?.close();
   }
+}
+
+function read(data) {
+  if (typeof data === "string") return [JSON.parse(data)];
+  const [header, used] = decode(data);
+  return [header, data.slice(used)];
 }

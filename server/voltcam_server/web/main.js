@@ -1,6 +1,7 @@
 /** The page: what the daemon says goes into index.html, what the user sets goes to the daemon. */
 
 import { ask, Backoff } from "./daemon.js";
+import { Diagnosis } from "./diagnosis.js";
 import { element } from "./element.js";
 import { Live } from "./live.js";
 import { buildPanel } from "./parameters.js";
@@ -9,6 +10,7 @@ const STATUS_PERIOD_MS = 1000;
 
 const find = (id) => document.getElementById(id);
 const live = new Live((version) => version > shown.version && refresh().catch(() => {})); // `watch` will say why
+const diagnosis = new Diagnosis();
 const backoff = new Backoff();
 const shown = { version: -1, uptime_s: 0, source: "", request: {}, built: "", parameters: () => {} };
 let here = false; // the daemon answered the last time
@@ -18,17 +20,27 @@ async function watch() {
     const status = await ask("status");
     if (!here || status.uptime_s < shown.uptime_s) await load();
     shown.uptime_s = status.uptime_s;
-    if (!here && !document.hidden) live.open();
+    if (!here && !document.hidden) open();
     here = true;
     backoff.reset();
     if (status.parameters_version !== shown.version) await refresh();
     showStatus(status);
   } catch (error) {
     here = false;
-    live.close();
+    close();
     showState("gone", `${error.message} Trying again…`);
   }
   setTimeout(watch, here ? STATUS_PERIOD_MS : backoff.next());
+}
+
+function open() {
+  live.open();
+  diagnosis.open();
+}
+
+function close() {
+  live.close();
+  diagnosis.close();
 }
 
 /** The panel, when the daemon is new or another one. */
@@ -117,8 +129,8 @@ find("source").addEventListener("submit", async (event) => {
 
 // A hidden page takes no stream: it costs the daemon nothing, and comes back with the newest.
 document.addEventListener("visibilitychange", () => {
-  if (document.hidden) live.close();
-  else if (here) live.open();
+  if (document.hidden) close();
+  else if (here) open();
 });
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => live.paint());
 

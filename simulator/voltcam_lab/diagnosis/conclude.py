@@ -86,8 +86,7 @@ def sentence(diagnosis: Diagnosis, first: View, last: View) -> str:
     if diagnosis.verdict == "effects":
         names = " and ".join(_with_rivals(found) for found in diagnosis.found)
         rest = " What is left has no name in the catalogue." if left else ""
-        it = "it" if len(diagnosis.found) == 1 else "them"
-        return f"The camera file lacks {names}. With {it}, {gap}.{rest}{form}"
+        return f"The camera file lacks {names}. With that added, {gap}.{rest}{form}"
     if diagnosis.verdict == "none":
         return (
             f"Nothing is missing: with base parameters fitted, {gap}, as near as chance lets it come"

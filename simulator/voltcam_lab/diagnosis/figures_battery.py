@@ -101,7 +101,10 @@ def gap_by_group(found: Mapping[str, Mapping[str, tuple[float, float]]]) -> Figu
     axes.set_xticks(range(len(_GROUPS)), list(_GROUPS.values()))
     axes.tick_params(axis="x", length=0)
     axes.set_ylabel("gap, held out")
-    axes.legend(loc="upper right", ncols=len(found) + 1)
+    axes.set_yscale("log")
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.set_ylim(bottom=0.05)
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper right", ncols=len(found) + 1)
     return figure
 
 

@@ -24,9 +24,9 @@ _BIN_US, _SHOWN_HZ, _SMOOTH_HZ = 500, (10.0, 500.0), 1.0
 
 @styled
 def pixel_maps(streams: Streams, setting: Setting) -> Figure:
-    """Events of each pixel per second, and how far each model is from that, in spreads of chance."""
+    """Events of each pixel per second, and how far a run of each model is from that, in spreads of chance."""
     shape, seconds = (setting.scene.height, setting.scene.width), _seconds(setting)
-    counts = {name: np.mean([_map(run, shape) for run in runs], axis=0) for name, runs in streams.items()}
+    counts = {name: _map(runs[0], shape) for name, runs in streams.items()}  # fixed patterns blur in means
     wide = shape[1] / shape[0]
     figure = Figure((8.8, min(6.4, 0.8 + 2 * 2.6 / max(wide, 0.4))), layout="constrained")
     axes = figure.subplots(2, len(streams), squeeze=False)
@@ -41,7 +41,7 @@ def pixel_maps(streams: Streams, setting: Setting) -> Figure:
         heat = axes[0, column].imshow(rate, cmap=_HEAT, norm=LogNorm(low, top), interpolation="nearest")
         axes[0, column].set_title(name)
         if column:
-            z = (map_ - counts["measured"]) / np.sqrt(map_ + 1)
+            z = _scores(counts, name)
             off = axes[1, column].imshow(
                 z, cmap=ON_OFF.reversed(), vmin=-most, vmax=most, interpolation="nearest"
             )
@@ -51,7 +51,7 @@ def pixel_maps(streams: Streams, setting: Setting) -> Figure:
         panel.set_yticks([])
         panel.spines[:].set_visible(False)
     axes[1, 0].hist(
-        [np.clip(_scores(counts, name), -most, most) for name in others],
+        [np.clip(_scores(counts, name).ravel(), -most, most) for name in others],
         bins=np.linspace(-most, most, 41).tolist(), histtype="step",
         color=[COLOURS[name] for name in others], linewidth=1.6,
     )  # fmt: skip
@@ -65,8 +65,10 @@ def pixel_maps(streams: Streams, setting: Setting) -> Figure:
 
 
 def _scores(counts: Mapping[str, NDArray[np.float64]], name: str) -> NDArray[np.float64]:
-    z = (counts[name] - counts["measured"]) / np.sqrt(counts[name] + 1)
-    return z.ravel()
+    z: NDArray[np.float64] = (counts[name] - counts["measured"]) / np.sqrt(
+        counts[name] + counts["measured"] + 1
+    )
+    return z
 
 
 def _map(events: Events, shape: tuple[int, int]) -> NDArray[np.float64]:
@@ -108,7 +110,7 @@ def _amplitudes(events: Events, setting: Setting) -> tuple[NDArray[np.float64], 
     )
     size = scipy.fft.next_fast_len(2 * bins, real=True)
     amplitude = np.abs(np.asarray(scipy.fft.rfft(signed, size))) / np.sqrt(max(len(events), 1))
-    return scipy.fft.rfftfreq(size, _BIN_US * 1e-6), amplitude
+    return np.asarray(scipy.fft.rfftfreq(size, _BIN_US * 1e-6), np.float64), amplitude
 
 
 def _largest(

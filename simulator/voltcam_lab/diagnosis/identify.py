@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +35,7 @@ class Known:
     mixed_with: dict[str, float] = field(default_factory=dict)
 
     @property
-    def answer(self) -> str:
+    def answer(self) -> Literal["yes", "in part", "no"]:
         """In a word."""
         return "yes" if self.share > _FIXED else "in part" if self.share > _PARTLY else "no"
 
@@ -80,7 +81,7 @@ def smallest(one: Detectable) -> str:
     """The size with its unit."""
     if one.size is None:
         return "does not show in this recording"
-    text = short(one.size, 4 if one.name in RATIOS else 2)
+    text = short(abs(one.size), 4 if one.name in RATIOS else 2)
     return text if one.unit == "1" else f"{text} {one.unit}"
 
 

@@ -123,23 +123,39 @@ def _worst(found: dict[str, Ranked]) -> Markup:
     """The strata that disagree most before, with what is left of them after."""
     first, *_, last = (*found.values(), *found.values())
     rows = []
-    for i in first.order()[:12]:
+    for i in _various(first):
         row: list[object] = [
-            plain(LABELS[i]), float(first.measured[i]), float(first.expected[i]), _difference(first, int(i)),
-            f"{first.z[i]:+.1f}", _small(float(first.q[i])),
+            plain(LABELS[i]), short(float(first.measured[i])), short(float(first.expected[i])),
+            _difference(first, i), f"{first.z[i]:+.1f}", _small(float(first.q[i])),
         ]  # fmt: skip
         rows.append(row if first is last else [*row, f"{last.z[i]:+.1f}"])
     head = ["statistic", "measured", "model", "difference, 90 %", "z", "FDR"]
     return table(head if first is last else [*head, "z after"], rows)
 
 
+def _various(found: Ranked, most: int = 12, alike: int = 3) -> list[int]:
+    """The worst, but not more than a few of one name."""
+    chosen: list[int] = []
+    for i in found.order().tolist():
+        same = [k for k in chosen if (LABELS[k].group, LABELS[k].name) == (LABELS[i].group, LABELS[i].name)]
+        if len(same) < alike:
+            chosen.append(i)
+        if len(chosen) == most:
+            break
+    return chosen
+
+
 def _difference(found: Ranked, i: int) -> str:
-    one = (found.difference[i], found.low[i], found.high[i])
-    if COUNTS[i] and one[0] > 1:
-        return f"× {1 + one[0]:.3g} ({1 + one[1]:.3g} to {1 + one[2]:.3g})"
-    if COUNTS[i]:
-        return f"{one[0]:+.0%} ({one[1]:+.0%} to {one[2]:+.0%})"
-    return f"{one[0]:+.3g} ({one[1]:+.3g} to {one[2]:+.3g})"
+    middle, low, high = (float(one[i]) for one in (found.difference, found.low, found.high))
+    if not COUNTS[i]:
+        return f"{_signed(middle)} ({_signed(low)} to {_signed(high)})"
+    if middle > 1:
+        return f"× {short(1 + middle)} ({short(1 + low)} to {short(1 + high)})"
+    return f"{middle:+.0%} ({low:+.0%} to {high:+.0%})"
+
+
+def _signed(number: float) -> str:
+    return ("+" if number > 0 else "") + short(number)
 
 
 def _from_battery(rig: Rig, data: Values, models: dict[str, View]) -> list[tuple[str, Markup]]:
@@ -168,7 +184,7 @@ def _from_events(session: Session, models: dict[str, View]) -> list[tuple[str, M
     return [
         ("Pixels", figure(
             figures_events.pixel_maps(streams, setting),
-            "Events per pixel, and how many spreads of chance models are off: blue too few, red too many.")),
+            "Events per pixel, and how many spreads of chance a run is off: blue too few, red too many.")),
         ("Spectrum", figure(
             figures_events.spectrum(streams, setting),
             "Lamps on the mains make lines at 100 or 120 Hz; dotted: the mains and twice that.")),

@@ -21,10 +21,12 @@ from .clues import clues
 from .model import Model
 from .rig import Rig, Values
 
-MOST_PIXELS = 3600
+MOST_SAMPLES = 3_500_000  # pixels x frames, all of 60 x 60 pixels for 10 s at 100 frames/s
+MOST_EVENTS = 200_000
 MOST_SECONDS = 10.0
 FEWEST_FRAMES = 10
 _TRUSTED = 0.9
+_CLOCK_US = 4_032_000  # a multiple of all ticks a camera may have: stamps stay as divisible as they are
 _SEEDS_APART = 1 << 20  # a multiple of the versions of light, which a seed's remainder chooses
 
 Batch = Callable[[int], None]
@@ -126,7 +128,7 @@ class Session:
 
 def session_of(
     recording: Recording, camera: Camera, folder: Path, *, name: str = "the recording", seed: int = 0,
-    seconds: float = MOST_SECONDS, most_pixels: int = MOST_PIXELS,
+    seconds: float = MOST_SECONDS, most_samples: int = MOST_SAMPLES,
 ) -> Session:  # fmt: skip
     """Make a recording (as voltcam_lab.recordings.load gives it) ready; runs go to `folder`.
 
@@ -141,7 +143,7 @@ def session_of(
             f"{name} has fewer than {FEWEST_FRAMES} frames in {seconds:g} s: give more of it"
         )
     camera = camera.model_copy(update={"width": recording.width, "height": recording.height})
-    columns = sample(recording, most_pixels)
+    columns = sample(recording, most_samples)
     scene = seen(recording.frames, recording.frame_t_us, columns)
     part = in_columns(recording, columns)
     if not len(part.events):
@@ -161,35 +163,40 @@ def session_of(
 
 
 def cut(recording: Recording, seconds: float) -> Recording:
-    """The first seconds of it; events between its first and last frame."""
+    """The first seconds of it, events between its first and last frame, on a clock that begins near there."""
     assert recording.frame_t_us is not None
     assert recording.frames is not None
+    origin_us = recording.frame_t_us[0] // _CLOCK_US * _CLOCK_US
     kept = recording.frame_t_us <= recording.frame_t_us[0] + seconds * 1e6
     frame_t_us, t_us = recording.frame_t_us[kept], recording.events["t"]
-    exposure_us = None if recording.exposure_us is None else recording.exposure_us[kept]
+    events = recording.events[(t_us >= frame_t_us[0]) & (t_us <= frame_t_us[-1])].copy()
+    events["t"] -= origin_us
+    exposure_us = recording.exposure_us
     return replace(
         recording,
         frames=recording.frames[kept],
-        frame_t_us=frame_t_us,
-        exposure_us=exposure_us,
-        events=recording.events[(t_us >= frame_t_us[0]) & (t_us <= frame_t_us[-1])],
+        frame_t_us=frame_t_us - origin_us,
+        exposure_us=None if exposure_us is None else exposure_us[kept] - origin_us,
+        events=events,
     )
 
 
-def sample(recording: Recording, most: int) -> NDArray[np.int64]:
+def sample(recording: Recording, most_samples: int) -> NDArray[np.int64]:
     """Columns to look at, ascending: all, or two strips, where light changes most and where it does little.
 
-    Rows are kept whole and complete, since readout goes by rows.
+    As many as samples of light (pixels x frames) and MOST_EVENTS allow. Rows are kept whole and complete,
+    since readout goes by rows.
     """
     assert recording.frames is not None
-    if recording.width * recording.height <= most:
+    share = min(most_samples / recording.frames.size, MOST_EVENTS / max(len(recording.events), 1))
+    wide = max(6, int(share * recording.width / 2))
+    if share >= 1 or 3 * wide > recording.width:  # nearly all: then all
         return np.arange(recording.width)
-    wide = max(6, most // recording.height // 2)
     grey = recording.frames[:: max(1, len(recording.frames) // 50)].astype(np.float32)
     change = np.abs(np.diff(np.log(grey + 20), axis=0)).mean(axis=(0, 1))
     strips = change[: recording.width // wide * wide].reshape(-1, wide).mean(axis=1)
     order = np.argsort(-strips, kind="stable")
-    chosen = sorted({int(order[0]), int(order[len(order) * 2 // 3])})
+    chosen = sorted({int(order[0]), int(order[max(1, len(order) * 2 // 3)])})
     return np.concatenate([np.arange(wide) + wide * strip for strip in chosen])
 
 

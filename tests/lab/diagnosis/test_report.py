@@ -60,18 +60,13 @@ def test_the_page_needs_nothing_beside_it(page: Reader) -> None:
     assert all(address.startswith(("data:image/svg", "#")) for address in page.loaded)
 
 
-def test_a_diagnosis_that_found_nothing_has_a_page_as_well(done: Done) -> None:
-    first = done.diagnosis.steps[0]
+def test_a_diagnosis_that_found_nothing_has_a_page_and_names_from_outside_are_escaped(done: Done) -> None:
+    session, first = replace(done.session, name="<b>walk</b>"), done.diagnosis.steps[0]
     nothing = loop.Diagnosis("unknown", (), first.model, (first,))
-    assert list(views(done.session.rig, nothing, done.session.data)) == ["model"]
-    result = result_of(done.session, done.told, nothing)
+    assert list(views(session.rig, nothing, session.data)) == ["model"]
+    result = result_of(session, done.told, nothing)
     assert not result.effects
     assert result.gap.before == result.gap.after
-    text = read(page_of(done.session, done.told, nothing, result)).text
-    assert "Something unknown is missing" in text
-
-
-def test_names_from_outside_are_escaped(done: Done) -> None:
-    session = replace(done.session, name="<b>walk</b>")
-    result = result_of(session, done.told, done.diagnosis)
-    assert "<b>walk</b>" not in page_of(session, done.told, done.diagnosis, result)
+    page = page_of(session, done.told, nothing, result)
+    assert "Something unknown is missing" in read(page).text
+    assert "<b>walk</b>" not in page

@@ -57,7 +57,7 @@ def test_effects_of_the_camera_file_are_not_searched(tiny: Recording, tmp_path: 
 
 
 def test_of_a_large_sensor_strips_of_whole_columns_are_looked_at(tiny: Recording, tmp_path: Path) -> None:
-    session = session_of(tiny, PAPER, tmp_path, most_pixels=24 * 16)
+    session = session_of(tiny, PAPER, tmp_path, most_samples=401 * 24 * 16)
     columns = session.columns
     assert len(columns) == 16
     assert session.rig.setting.scene.images.shape[1:] == (24, 16)
@@ -72,7 +72,7 @@ def test_of_a_large_sensor_strips_of_whole_columns_are_looked_at(tiny: Recording
 def test_strips_are_where_most_and_where_little_changes(tiny: Recording) -> None:
     frames = np.full((20, 24, 32), 100, np.uint8)
     frames[::2, :, 8:14] = 50
-    columns = sample(replace(tiny, frames=frames), 24 * 12)
+    columns = sample(replace(tiny, frames=frames), 20 * 24 * 12)
     assert set(range(8, 12)) < set(columns.tolist())
     assert len(set(columns.tolist()) - set(range(6, 18))) == 6
 
@@ -119,3 +119,15 @@ def test_progress_tells_of_each_batch_and_run(tiny: Recording, tmp_path: Path) -
     session.rig.means([PAPER.parameters], range(3))
     assert batches == [3]
     assert len(ended) == 3
+
+
+def test_the_clock_of_the_recording_does_not_matter(tiny: Recording, tmp_path: Path) -> None:
+    assert tiny.frame_t_us is not None
+    late, events = 394_137_685 * 4_032_000, tiny.events.copy()
+    events["t"] += late
+    later = replace(tiny, events=events, frame_t_us=tiny.frame_t_us + late)
+    session, other = (session_of(one, PAPER, tmp_path) for one in (tiny, later))
+    np.testing.assert_array_equal(session.data, other.data)
+    assert session.candidates == other.candidates
+    for one in other.candidates:
+        one.on(PAPER.parameters, one.sizes[0])  # inside the limits

@@ -1,0 +1,54 @@
+"""A process beside the daemon, at the lowest priority."""
+
+import contextlib
+import os
+import signal
+import subprocess
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from .problems import UsageError
+
+LOW_PRIORITY = ["nice", "-n", "19"]
+
+
+class Child:
+    """Runs `command`; what it says on standard error goes to the file `log`.
+
+    It has a process group of its own, so that all of it can be ended, but no session: with Linux's autogroups
+    priorities would count inside that session only.
+    """
+
+    def __init__(self, command: Sequence[str], log: Path) -> None:
+        self._log = log
+        with log.open("w") as errors:
+            self._process = subprocess.Popen(
+                [*LOW_PRIORITY, *command],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=errors,
+                encoding="utf-8",
+                errors="replace",
+                process_group=0,
+            )
+
+    def follow(self, hear: Callable[[str], None]) -> None:
+        """Until it ends, `hear` each line. Raises UsageError, with the last thing it said, when it fails."""
+        with self._process as process:
+            assert process.stdout is not None
+            for line in process.stdout:
+                hear(line.rstrip())
+        if process.returncode:
+            raise UsageError(self._complaint())
+
+    def signal(self, number: signal.Signals) -> None:
+        """To all of it; from any thread."""
+        if self._process.poll() is None:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(self._process.pid, number)
+
+    def _complaint(self) -> str:
+        said = [line for line in self._log.read_text(errors="replace").split("\n") if line.strip()]
+        last = said[-1] if said else f"it ended with status {self._process.returncode}"
+        told = last.removeprefix("voltcam: ")  # an error of the user's; anything else is one of ours
+        return told if told != last else f"the diagnosis failed: {last}: please report it, with {self._log}"

@@ -1,0 +1,76 @@
+"""The diagnosis over REST and WebSocket, under /api/v1/diagnosis."""
+
+import asyncio
+
+from fastapi import APIRouter, HTTPException, Request, WebSocket
+from fastapi.responses import FileResponse
+from pydantic import BaseModel
+from starlette.concurrency import run_in_threadpool
+
+from .bodies import body_of, read_model
+from .diagnosis import Diagnosis, DiagnosisRequest, DiagnosisState
+
+PUSH_PERIOD_S = 0.2
+
+
+class VersionAnswer(BaseModel):
+    """parameters_version: that of the packets made with the parameters that hold from now on."""
+
+    parameters_version: int
+
+
+def diagnosis_routes(diagnosis: Diagnosis) -> APIRouter:
+    """Its routes."""
+    api = APIRouter(prefix="/diagnosis")
+
+    @api.get("")
+    async def get_diagnosis() -> DiagnosisState:
+        return diagnosis.state
+
+    @api.post("", status_code=201, openapi_extra=body_of(DiagnosisRequest))
+    async def post_diagnosis(request: Request) -> DiagnosisState:
+        """Begins one, from the parameters in force, against a recording or a second camera."""
+        wanted = await read_model(request, DiagnosisRequest)
+        return await run_in_threadpool(diagnosis.start, wanted)
+
+    @api.delete("")
+    async def delete_diagnosis() -> DiagnosisState:
+        """Ends it before it is done."""
+        return await run_in_threadpool(diagnosis.end)
+
+    @api.post("/accept")
+    async def accept() -> VersionAnswer:
+        """What was found becomes the running parameters, between two frames and all at once."""
+        return VersionAnswer(parameters_version=await run_in_threadpool(diagnosis.accept))
+
+    @api.post("/revert")
+    async def revert() -> VersionAnswer:
+        """Back to the parameters from before the last accept."""
+        return VersionAnswer(parameters_version=await run_in_threadpool(diagnosis.revert))
+
+    @api.get("/report")
+    async def report() -> FileResponse:
+        """The page about what was found."""
+        path = diagnosis.report
+        if path is None or not path.exists():
+            raise HTTPException(404, "there is no report: it is there when a diagnosis is done")
+        return FileResponse(path, media_type="text/html")
+
+    @api.websocket("/progress")
+    async def progress(websocket: WebSocket) -> None:
+        """The state as JSON text, now and after each change."""
+        await websocket.accept()
+        leaving = asyncio.create_task(_leave(websocket))
+        seen = -1
+        while not leaving.done():
+            if diagnosis.changes != seen:
+                seen = diagnosis.changes
+                await websocket.send_text(diagnosis.state.model_dump_json())
+            await asyncio.wait([leaving], timeout=PUSH_PERIOD_S)
+
+    return api
+
+
+async def _leave(websocket: WebSocket) -> None:
+    while (await websocket.receive())["type"] != "websocket.disconnect":
+        pass  # nothing that a client says matters here

@@ -1,0 +1,112 @@
+"""The coordinates in which a camera is searched for: what can be moved without moving all the rest."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from voltcam_simulator import Parameters
+
+WHITE_DN = 255.0
+DARK_DN = 16.0  # grey levels below that are near a camera's black, where they tell least of the light
+
+Point = Mapping[str, float]
+"""Coordinates of the search; positive, except that what may be absent is 0 then.
+
+gain: events for a change of ln (grey level) where it is bright, k1 times gamma. knee_dn: grey level that
+stands for a light of k2. So curvature (gamma), dark level and gain can each be moved without the others."""
+
+CORE = ("gain", "on_over_off", "knee_dn", "delay_us", "period_us")
+Offers = tuple[tuple[str, tuple[float, ...]], ...]
+OFFERED: Offers = (
+    ("gamma", (0.75, 0.6, 1.35)),
+    ("threshold_spread", (0.05, 0.12)),
+    ("reset_spread", (0.03, 0.08)),
+    ("coupling", (0.001, 0.003, 0.008)),
+    ("cutoff_hz", (1500.0, 500.0, 200.0)),
+    ("jitter_us", (100.0, 500.0)),
+    ("k4_per_us", (1e-8, 1e-7)),
+    ("k5_per_dn_us", (1e-10, 1e-9)),
+    ("leak_spread", (0.3,)),
+    ("k3", (3e-4, 1e-3)),
+    ("k6", (3e-5, 1e-4)),
+    ("shot_c", (3e-3, 1e-2)),
+    ("pairs_hz", (0.03, 0.3)),
+    ("hot", (3e-4, 3e-3)),
+)
+"""Mechanisms that may be there or not, the likely ones first, and sizes to try them at."""
+
+DELAYS_US = (100.0, 1000.0, 2000.0, 4000.0, 8000.0)
+BENT = ("gain", "knee_dn", "on_over_off")
+ABSENT = {name: 0.0 for name, _ in OFFERED} | {"gamma": 1.0}
+PLACES = {
+    "delay_us": ("latency", "delay_us"),
+    "jitter_us": ("latency", "jitter_us"),
+    "period_us": ("refractory_period", "period_us"),
+    "gamma": ("input_response", "gamma_exponent"),
+    "threshold_spread": ("threshold_mismatch", "sigma"),
+    "reset_spread": ("reset_noise", "sigma"),
+    "coupling": ("crosstalk", "coupling"),
+    "cutoff_hz": ("photoreceptor_bandwidth", "cutoff_hz"),
+    "k3": ("photon_noise", "k3"),
+    "k4_per_us": ("junction_leak", "k4_per_us"),
+    "k5_per_dn_us": ("parasitic_photocurrent", "k5_per_dn_us"),
+    "leak_spread": ("leak_mismatch", "sigma"),
+    "k6": ("leak_noise", "k6"),
+    "shot_c": ("low_light_shot_noise", "c"),
+    "pairs_hz": ("noise_pairs", "rate_hz"),
+    "hot": ("hot_pixels", "fraction"),
+}
+
+
+def point_of(parameters: Parameters) -> dict[str, float]:
+    """Coordinates of a camera."""
+    comparator, response = parameters.comparator, parameters.contrast_response
+    point = {name: float(getattr(getattr(parameters, at), key)) for name, (at, key) in PLACES.items()}
+    unit = math.sqrt(comparator.theta_on * comparator.theta_off)
+    for name in ("reset_spread", "coupling", "k3", "k4_per_us", "k5_per_dn_us", "k6", "shot_c"):
+        point[name] /= unit
+    gamma = point["gamma"]
+    return point | {
+        "gain": response.k1 * gamma / unit,
+        "on_over_off": comparator.theta_on / comparator.theta_off,
+        "knee_dn": WHITE_DN * (response.k2_dn / WHITE_DN) ** (1 / gamma),
+    }
+
+
+def parameters_of(point: Point, base: Parameters) -> Parameters:
+    """The camera at these coordinates; the rest as in `base`. Raises pydantic's ValidationError, which is a
+    ValueError, where they are outside of what parameters may be."""
+    changes: dict[str, dict[str, float]] = {}
+    for name, (effect, parameter) in PLACES.items():
+        changes.setdefault(effect, {})[parameter] = point[name]
+    gamma, ratio = point["gamma"], math.sqrt(point["on_over_off"])
+    changes["contrast_response"] = {
+        "k1": point["gain"] / gamma,
+        "k2_dn": WHITE_DN * (point["knee_dn"] / WHITE_DN) ** gamma,
+    }
+    changes["comparator"] = {"theta_on": ratio, "theta_off": 1 / ratio}
+    return base.changed(changes)
+
+
+def response(point: Point, grey_dn: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Voltage of grey levels, from that of the first one on."""
+    gamma = point["gamma"]
+    light = np.log(grey_dn**gamma + point["knee_dn"] ** gamma)
+    return np.asarray(point["gain"] / gamma * (light - light[0]))
+
+
+def bent(point: Point, gamma: float) -> dict[str, float]:
+    """Another gamma, and the gain and knee with which all but the dark responds as before."""
+    grey_dn = np.geomspace(DARK_DN, WHITE_DN / 2, 30)
+    wanted = response(point, grey_dn)
+
+    def at(log: NDArray[np.float64]) -> dict[str, float]:
+        return {**point, "gamma": gamma, "gain": math.exp(log[0]), "knee_dn": math.exp(log[1])}
+
+    start = np.log([point["gain"], point["knee_dn"]])
+    ends = start - 3, start + 3
+    found = least_squares(lambda log: response(at(log), grey_dn) - wanted, start, bounds=ends)
+    return at(found.x)
