@@ -1,4 +1,4 @@
-"""A process beside the daemon, at the lowest priority."""
+"""A process beside the daemon, at a lower priority."""
 
 import contextlib
 import os
@@ -9,21 +9,19 @@ from pathlib import Path
 
 from .problems import UsageError
 
-LOW_PRIORITY = ["nice", "-n", "19"]
-
 
 class Child:
-    """Runs `command`; what it says on standard error goes to the file `log`.
+    """Runs `command`, `nice` by 0 to 19; what it says on standard error goes to the file `log`.
 
     It has a process group of its own, so that all of it can be ended, but no session: with Linux's autogroups
     priorities would count inside that session only.
     """
 
-    def __init__(self, command: Sequence[str], log: Path) -> None:
+    def __init__(self, command: Sequence[str], nice: int, log: Path) -> None:
         self._log = log
         with log.open("w") as errors:
             self._process = subprocess.Popen(
-                [*LOW_PRIORITY, *command],
+                ["nice", "-n", str(nice), *command],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.PIPE,
                 stderr=errors,

@@ -1,7 +1,7 @@
 """A diagnosis beside the running camera: what does it lack to give the events of a reference?
 
-Gathering and diagnosing are processes of their own at the lowest priority, so that the stream does not
-stutter and what goes wrong there stays there.
+Gathering and diagnosing are processes of their own at a lower priority, so that the stream does not stutter
+and what goes wrong there stays there.
 """
 
 import json
@@ -33,6 +33,8 @@ DIAGNOSE = [
     "diagnose",
 ]
 END_S = 2.0  # for a process that is told to end
+# Diagnosing takes what nobody else wants, gathering a little more: what it is too late for is lost.
+NICE = {"gathering": 10, "running": 19}
 SENTENCES, SENTENCE = 1000, 500  # the most that is kept, and characters of each
 START = "start.yaml"  # the camera that a diagnosis begins from
 
@@ -152,11 +154,14 @@ class Diagnosis:
 
         Raises UsageError where there is nothing to accept.
         """
+        found = self._found
+        if found is not None:
+            self._emulator.simulation.prepare(found)
         with self._lock:
-            if self._found is None or not self._state.acceptable:
+            if found is None or found is not self._found or not self._state.acceptable:
                 raise UsageError("there is nothing to accept: only what a diagnosis has found, and once")
             self._former.append(self._emulator.simulation.parameters[0])
-            version = self._emulator.simulation.change(self._found.model_dump())[1]
+            version = self._emulator.simulation.change(found.model_dump())[1]
             self._set(acceptable=False, revertible=True)
             return version
 
@@ -198,7 +203,7 @@ class Diagnosis:
         try:
             for state, command in steps:
                 self._set(state=state)
-                self._run_child(command, folder / f"{state}.log")
+                self._run_child(command, NICE[state], folder / f"{state}.log")
             result = json.loads((folder / "result.json").read_text())
             if result["effects"] or result["residual"]:
                 self._found = load_camera(str(folder / "camera.yaml")).parameters
@@ -210,11 +215,11 @@ class Diagnosis:
                 ours = not isinstance(error, UsageError | OSError)
                 self._set(state="failed", error=where(error) if ours else one_line(error))
 
-    def _run_child(self, command: list[str], log: Path) -> None:
+    def _run_child(self, command: list[str], nice: int, log: Path) -> None:
         with self._lock:
             if self._ending:
                 raise UsageError("ended")
-            self._child = Child(command, log)
+            self._child = Child(command, nice, log)
         self._child.follow(self._hear)
 
     def _hear(self, line: str) -> None:

@@ -54,11 +54,12 @@ class Simulation:
 
     def __init__(self, camera: Camera, law: Law, seed: int, upsample: Upsample = "off") -> None:
         self.camera = camera
+        self._law: Law = law
         self.simulated = 0
         self.out_of_order = 0
         self.unusable = 0
         self.fault = ""  # why the last unusable frame was one
-        _compile(camera.parameters, law)
+        self.prepare(camera.parameters)
         self._simulator = Simulator(camera.width, camera.height, camera.parameters, law, seed)
         self._upsample = upsample
         self._next: Arrival | None = None  # with "cubic": what comes after the frame at hand
@@ -87,6 +88,12 @@ class Simulation:
             parameters, version = self._wanted
             self._wanted = parameters.changed(changes), version + 1
             return self._wanted
+
+    def prepare(self, parameters: Parameters) -> None:
+        """Have compiled what these parameters need, so that no frame need wait seconds for it."""
+        small = Simulator(2, 2, parameters, self._law)
+        small.advance(np.zeros((2, 2), np.uint8), 0)
+        small.advance(np.full((2, 2), 255, np.uint8), 10_000)
 
     def step(self, arrival: Arrival) -> Interval | None:
         """The interval that this frame ends; None for a frame that cannot be used, which is counted."""
@@ -170,10 +177,3 @@ class Simulation:
         if version != self._version:
             self._simulator.parameters = parameters
             self._version = version
-
-
-def _compile(parameters: Parameters, law: Law) -> None:
-    """Have the kernels compiled, so that the first frames need not wait seconds for it."""
-    small = Simulator(2, 2, parameters, law)
-    small.advance(np.zeros((2, 2), np.uint8), 0)
-    small.advance(np.full((2, 2), 255, np.uint8), 10_000)

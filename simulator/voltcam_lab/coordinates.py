@@ -19,9 +19,7 @@ gain: events for a change of ln (grey level) where it is bright, k1 times gamma.
 stands for a light of k2. So curvature (gamma), dark level and gain can each be moved without the others."""
 
 CORE = ("gain", "on_over_off", "knee_dn", "delay_us", "period_us")
-Offers = tuple[tuple[str, tuple[float, ...]], ...]
-OFFERED: Offers = (
-    ("gamma", (0.75, 0.6, 1.35)),
+OFFERED: tuple[tuple[str, tuple[float, ...]], ...] = (
     ("threshold_spread", (0.05, 0.12)),
     ("reset_spread", (0.03, 0.08)),
     ("coupling", (0.001, 0.003, 0.008)),
@@ -40,7 +38,7 @@ OFFERED: Offers = (
 
 DELAYS_US = (100.0, 1000.0, 2000.0, 4000.0, 8000.0)
 BENT = ("gain", "knee_dn", "on_over_off")
-ABSENT = {name: 0.0 for name, _ in OFFERED} | {"gamma": 1.0}
+ABSENT = {"gamma": 1.0} | {name: 0.0 for name, _ in OFFERED}
 PLACES = {
     "delay_us": ("latency", "delay_us"),
     "jitter_us": ("latency", "jitter_us"),

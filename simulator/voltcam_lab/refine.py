@@ -22,7 +22,6 @@ from .coordinates import (
     DELAYS_US,
     OFFERED,
     WHITE_DN,
-    Offers,
     Point,
     bent,
     parameters_of,
@@ -38,6 +37,7 @@ DEVELOPED_PIXELS = 12  # side of the tiles, every other one of which judges what
 LONGEST = 40e6  # pixels times images of light that are simulated: the busiest stretch of more than that
 BETTER = 0.998  # of the score, for what is new to stay
 SHARPENING = (0.15, 0.3, 0.45)
+GAMMAS = (1.0, 0.6)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,17 +75,16 @@ def refine(
     point = point_of(start)
     before = search.unseen(point)
     point = search.first(point)
-    point, kept = search.offered(point, OFFERED[:1])
-    point, light_between, done = search.light(point)
-    point, kept = search.offered(point, OFFERED[1:])
+    lit = search.light(point)
+    point, kept = search.offered(lit.point)
     point = search.polished(point, CORE + kept)
     point, kept = search.without_needless(point, kept)
     return Refined(
         parameters=parameters_of(point, start),
-        scene=light_between,
-        light=done,
+        scene=lit.scene,
+        light=lit.words,
         kept=kept,
-        dropped=tuple(name for name, _ in OFFERED if name not in kept),
+        dropped=tuple(name for name in ABSENT if name not in kept),
         before=before,
         after=search.unseen(point),
     )
@@ -103,6 +102,21 @@ def _busiest(events: NDArray[np.void], scene: Scene, region: Region) -> Region:
     counts = np.searchsorted(t_us, edges[1]) - np.searchsorted(t_us, edges[0])
     best = int(np.argmax(counts))
     return region.during(np.array([[edges[0][best], edges[1][best]]], np.int64))
+
+
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    """A point in a light, its score, and that of the pixels that took part in no step."""
+
+    point: dict[str, float]
+    score: float
+    unseen: float
+    scene: Scene
+    words: str
+    sharpening: float
+
+    def better_than(self, other: "_Trial") -> bool:
+        return self.score < other.score * BETTER and self.unseen < other.unseen * BETTER
 
 
 @dataclass
@@ -172,37 +186,44 @@ class _Search:
         self.report("refine: thresholds, delay")
         return self.moved(point, CORE, 0.3, 6, best)[0]
 
-    def light(self, point: dict[str, float]) -> tuple[dict[str, float], Scene, str]:
-        """The point with the light that is closest, and what was done to it; the simplest first."""
-        unseen = self.unseen(point)
-        found, best, scene, done = point, self.score(point), self.scene, "as it was"
-        bases = [(self.scene, ""), (calmed(self.scene), "calmed")]
-        for base, calm in bases:
-            tries = [(base, calm)] if calm else []
-            even = evened(base)
-            tries += [(sharpened(even, x), f"{calm} evened, sharpened by {x:g}".strip()) for x in SHARPENING]
-            for light, words in tries:
-                self.report(f"refine: light {words}")
-                former, self.replay = self.replay, Replay.of(light, self.region)
-                tried, value = self.moved(found, ("gain", "on_over_off"), 0.1, 3)
-                if value < best * BETTER and (other := self.unseen(tried)) < unseen * BETTER:
-                    found, best, unseen, scene, done = tried, value, other, light, words
-                else:
-                    self.replay = former
-        return found, scene, done
+    def light(self, point: dict[str, float]) -> "_Trial":
+        """The point with the light that is closest.
 
-    def offered(self, point: dict[str, float], offers: Offers) -> tuple[dict[str, float], tuple[str, ...]]:
+        How sharp light is and how grey levels stand for it make up for one another: both at once.
+        """
+        found = best = _Trial(point, self.score(point), self.unseen(point), self.scene, "as it was", 0.0)
+        even = evened(self.scene)
+        lights = [(self.scene, "as it was", 0.0)]
+        lights += [(sharpened(even, x), f"evened, sharpened by {x:g}", x) for x in SHARPENING]
+        for gamma in GAMMAS:
+            tried = point if gamma == point["gamma"] else bent(point, gamma)
+            for scene, words, sharpening in lights:
+                trial = self._tried(tried, scene, words, sharpening)
+                best, tried = (trial if trial.score < best.score else best), trial.point
+        found = best if best.better_than(found) else found
+        calm = calmed(self.scene)
+        if found.scene is not self.scene:
+            calm = sharpened(evened(calm), found.sharpening)
+        trial = self._tried(found.point, calm, f"calmed, {found.words}", found.sharpening)
+        found = trial if trial.better_than(found) else found
+        self.replay = Replay.of(found.scene, self.region)
+        return found
+
+    def _tried(self, point: dict[str, float], scene: Scene, words: str, sharpening: float) -> "_Trial":
+        self.report(f"refine: light {words}, gamma {point['gamma']:g}")
+        self.replay = Replay.of(scene, self.region)
+        point, score = self.moved(point, BENT, 0.15, 2)
+        return _Trial(point, score, self.unseen(point), scene, words, sharpening)
+
+    def offered(self, point: dict[str, float]) -> tuple[dict[str, float], tuple[str, ...]]:
         """The point with those mechanisms that help pixels which did not choose them; all that it has."""
-        kept = [name for name, _ in OFFERED if point[name] != ABSENT[name]]
+        kept = [name for name, value in ABSENT.items() if point[name] != value]
         best, unseen = self.score(point), self.unseen(point)
-        for name, values in offers:
-            if name in kept and name != "gamma":
+        for name, values in OFFERED:
+            if name in kept:
                 continue
             self.report(f"refine: {name}")
-            points = [self._with(point, name, x) for x in values]
-            if name == "gamma":  # bends all that the other coordinates were chosen for
-                points = [self.moved(tried, BENT, 0.2, 3)[0] for tried in points]
-            tries = [(self.score(tried), tried) for tried in points]
+            tries = [(self.score(tried), tried) for tried in (self._with(point, name, x) for x in values)]
             value, tried = min(tries, key=lambda each: each[0])
             if value < best * 1.05:  # what stands in its place is in the way
                 tried, value = self.moved(tried, (name, "gain"), 0.2, 2, value)

@@ -42,7 +42,7 @@ class Replay:
     def events(self, parameters: Parameters, seed: int) -> Events:
         """What a camera gives out, at the pixels' own places."""
         height, columns = self.x.shape
-        simulator = Simulator(columns, height, parameters, "exact", seed, threads=2)
+        simulator = Simulator(columns, height, parameters, "exact", seed)
         parts = [np.empty(0, EVENT)]
         for image, t_us in zip(self.images, self.t_us.tolist(), strict=True):
             parts.append(simulator.advance(image, t_us))

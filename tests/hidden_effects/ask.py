@@ -14,7 +14,7 @@ from voltcam_lab.diagnosis.conclude import intervals
 from voltcam_lab.diagnosis.loop import Diagnosis, diagnose
 from voltcam_lab.diagnosis.result import Estimate
 from voltcam_lab.diagnosis.rig import Rig
-from voltcam_lab.diagnosis.session import session_of
+from voltcam_lab.diagnosis.session import DiagnosisError, session_of
 from voltcam_simulator import Camera, Parameters
 
 # Published sets (DVS-Voltmeter, ECCV 2022), of which a camera file knows the camera's own.
@@ -50,17 +50,19 @@ class Named(BaseModel):
 
 
 class Verdict(BaseModel):
-    """What it said. Gaps are on held-out data; the p-value is that of the first step."""
+    """What it said; "refused" where it found the recording itself bad. Gaps are on held-out data; the p-value
+    is that of the first step."""
 
     model_config = ConfigDict(frozen=True)
 
-    verdict: Literal["effects", "none", "unknown"]
+    verdict: Literal["effects", "none", "unknown", "refused"]
     effects: tuple[Named, ...] = ()
     formula: str = ""  # of the generic term that explains part of an unknown effect
-    gap_before: float
-    gap_after: float
-    gap_floor: float
-    p_value: float
+    gap_before: float = 0.0
+    gap_after: float = 0.0
+    gap_floor: float = 0.0
+    p_value: float = 0.0
+    reason: str = ""  # of a refusal
 
 
 def ask(question: Question) -> Verdict:
@@ -70,8 +72,11 @@ def ask(question: Question) -> Verdict:
     recording = Recording(
         question.events, question.width, question.height, question.frames, question.frame_t_us
     )
-    with TemporaryDirectory() as folder:
-        session = session_of(recording, camera, Path(folder))
+    try:
+        with TemporaryDirectory() as folder:
+            session = session_of(recording, camera, Path(folder))
+    except DiagnosisError as error:
+        return Verdict(verdict="refused", reason=str(error))
     rig = Rig(session.rig.setting, threads=1)
     candidates = _sabotaged(session.candidates, question)
     diagnosis = diagnose(rig, session.data, session.model, candidates, lambda _: None)

@@ -11,7 +11,7 @@ from .run import Line
 from .score import Figure, Judged, controls, judged, share_removed, table
 
 LEVELS = ("strong", "medium", "weak")
-_ANSWERS = ("none", "unknown", "crashed")
+_ANSWERS = ("none", "unknown", "refused", "crashed")
 
 
 def page(cases: Sequence[Case], lines: Sequence[Line], seed: int) -> str:
@@ -24,7 +24,7 @@ def page(cases: Sequence[Case], lines: Sequence[Line], seed: int) -> str:
         _section("Effect by effect", _by_effect(found), _BY_EFFECT),
         _section("Unlisted effects", _unlisted(found), _UNLISTED),
         _section("Who was taken for whom", _confusion(found), _CONFUSION),
-        _section("Wrong answers and crashes", _wrong(found), _WRONG),
+        _section("Wrong answers, refusals and crashes", _wrong(found), _WRONG),
     ]
     return "\n\n".join(sections) + "\n"
 
@@ -44,7 +44,7 @@ The names are those of `tests/generator/unlisted.py`."""
 _CONFUSION = """\
 Rows are what was hidden, columns what was answered, by the letters of the rows; a verdict of two names counts
 twice. Pairs and sabotaged recordings are left out."""
-_WRONG = "Each can be made again from its seed."
+_WRONG = "Refusals are those of recordings that are not bad. Each can be made again from its seed."
 
 
 def _head(cases: Sequence[Case], found: Sequence[Judged], seed: int) -> str:
@@ -159,11 +159,13 @@ def _cell(n: int, diagonal: bool) -> str:
 
 
 def _wrong(found: Sequence[Judged]) -> str:
-    wrong = [one for one in found if one.outcome in ("wrong", "crashed")]
-    if not wrong:
-        return "None."
-    rows = [(one.case.name, str(one.case.seed), _flat(one.line.error) or _answered(one)) for one in wrong]
-    return _grid(("case", "seed", "answer"), rows)
+    rows = []
+    for one in found:
+        verdict = one.line.verdict
+        reason = verdict.reason if verdict else one.line.error
+        if one.outcome in ("wrong", "crashed") or (reason and one.outcome != "right"):
+            rows.append((one.case.name, str(one.case.seed), _answered(one), _flat(reason)))
+    return _grid(("case", "seed", "answer", "reason"), rows) if rows else "None."
 
 
 def _flat(words: str) -> str:

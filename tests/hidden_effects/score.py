@@ -25,8 +25,9 @@ class Judged:
     """A verdict beside its answer.
 
     right: each hidden effect's name and no other; "none" where nothing is hidden; "unknown" for what is not
-    in the catalogue. wrong: a name that is not hidden, an alarm where nothing is.
-    abstained: neither. An effect given as a set that its name is in is not named, and not wrong.
+    in the catalogue. wrong: a name that is not hidden, an alarm where nothing is. abstained: neither, or
+    refused as a bad recording, which is right only for a shuffled polarity. An effect given as a set that its
+    name is in is not named, and not wrong.
     """
 
     case: Case
@@ -78,6 +79,8 @@ def hidden(case: Case) -> tuple[str, ...]:
 
 def _outcome(case: Case, verdict: Verdict) -> Outcome:
     truth = hidden(case)
+    if verdict.verdict == "refused" and case.sabotage == "shuffled":
+        return "right"
     if any(one.name not in truth and not set(one.rivals) & set(truth) for one in verdict.effects):
         return "wrong"
     if case.part in ("nulls", "slow nulls"):
@@ -128,7 +131,7 @@ def controls(found: Sequence[Judged]) -> list[Figure]:
     words = {
         "misspecified": "frames misspecified: input effect named, or unknown",
         "deleted": "true effect deleted from the catalogue: unknown",
-        "shuffled": "polarity shuffled: unknown",
+        "shuffled": "polarity shuffled: unknown, or refused as a bad recording",
         "twice": "an effect listed twice: still named",
         "further": "other effects of the catalogue: named",
     }

@@ -44,7 +44,7 @@ def evaluation(recording: Recording) -> Evaluation:
     }
     steps: list[str] = []
     done = evaluate(recording, models, name="Waves", upsampling="cubic", progress=steps.append)
-    assert steps[1:] == ["exact, other", "exact, truth", "real against real"]
+    assert [step for step in steps if "distances" not in step][1:] == [*models, "real against real"]
     return done
 
 

@@ -18,7 +18,7 @@ from voltcam_lab.replay import Replay
 from voltcam_lab.scene import Scene, scene_of
 from voltcam_simulator import Parameters
 
-WIDTH, HEIGHT, SECONDS, LATE_US = 72, 48, 1.6, 3000
+WIDTH, HEIGHT, SECONDS, LATE_US = 72, 48, 2.4, 3000
 BASE = Base("none", k1=12.0, k2=20.0, k3=1e-4, k4=0.0, k5=0.0, k6=1e-5, theta_on=1.2, theta_off=1 / 1.2)
 HIDDEN = (
     Effect("threshold_mismatch", "", {"sigma": 0.15, "log_normal": 0.0}),

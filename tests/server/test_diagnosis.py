@@ -13,6 +13,7 @@ from typing import Any
 import httpx
 import numpy as np
 import pytest
+from playwright.sync_api import expect, sync_playwright
 from websockets.sync.client import ClientConnection, connect
 
 from voltcam_client import Control, ControlError
@@ -31,6 +32,7 @@ from voltcam_video import SourceRequest
 from .rig import PATIENCE_S, Listener, moving_frames, save_frames, tiny, until, web_server
 from .test_api import about
 from .test_emulator import SCENE
+from .test_page import CHROMIUM, CHROMIUM_ARGS
 
 # It says who it is, waits for the order how to end, and takes what it finds from the camera it is given.
 STUB = """
@@ -340,3 +342,36 @@ def test_the_daemons_end_ends_it(tmp_path: Path) -> None:
     diagnosis.stop()
     with pytest.raises(ProcessLookupError):
         os.kill(process, 0)
+
+
+@pytest.mark.skipif(not CHROMIUM.exists(), reason=f"no Chromium at {CHROMIUM}")
+def test_the_page_starts_shows_accepts_and_reverts(bench: Bench) -> None:
+    with sync_playwright() as playwright:
+        page = playwright.chromium.launch(executable_path=CHROMIUM, args=CHROMIUM_ARGS).new_page()
+        page.set_default_timeout(1000 * PATIENCE_S)
+        expect.set_options(timeout=1000 * PATIENCE_S)
+        errors: list[str] = []
+        page.on("pageerror", lambda error: errors.append(str(error)))
+        page.goto(bench.control.url)
+        reference, start = (
+            page.get_by_label("Reference", exact=True),
+            page.get_by_role("button", name="Start"),
+        )
+        expect(page.get_by_role("button", name="End")).to_be_hidden()
+        reference.fill("/none/walk.npz")
+        start.click()
+        expect(page.locator("#diagnosis-error")).to_contain_text("/none/walk.npz is not there")
+        reference.fill(str(bench.walk))
+        start.click()
+        expect(page.locator("#diagnosis-progress")).to_contain_text("priority 19")
+        expect(page.locator("#diagnosis-error")).to_be_empty()
+        expect(start).to_be_disabled()
+        bench.order("find")
+        expect(page.locator("#diagnosis-verdict")).to_have_text("This camera lacks a dead time.")
+        expect(page.get_by_role("link", name="Report")).to_be_visible()
+        page.get_by_role("button", name="Accept").click()
+        page.get_by_role("button", name="Revert").click()
+        expect(page.get_by_role("button", name="Accept")).to_be_visible()
+        expect(page.get_by_role("button", name="Revert")).to_be_hidden()
+        assert bench.control.parameters()["parameters_version"] == 2
+        assert errors == []

@@ -44,7 +44,7 @@ export class Diagnosis {
     find("verdict").textContent = result?.sentence ?? "";
     if (error) find("error").textContent = error;
     showProgress(progress);
-    find("rates").hidden = !figures;
+    find("rates").hidden = !figures || state === "done";
     if (figures) showRates(figures);
   }
 }

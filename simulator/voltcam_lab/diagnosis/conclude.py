@@ -84,7 +84,7 @@ def sentence(diagnosis: Diagnosis, first: View, last: View) -> str:
     left = step.training - step.floor_training > TOLERANCE
     form = "" if residual is None else f" A term of unknown origin, {residual.formula}, explains part of it."
     if diagnosis.verdict == "effects":
-        names = " and ".join(_with_rivals(found) for found in diagnosis.found)
+        names = " and ".join(dict.fromkeys(_with_rivals(found) for found in diagnosis.found))
         rest = " What is left has no name in the catalogue." if left else ""
         return f"The camera file lacks {names}. With that added, {gap}.{rest}{form}"
     if diagnosis.verdict == "none":

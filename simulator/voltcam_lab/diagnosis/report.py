@@ -38,7 +38,9 @@ def page_of(session: Session, told: Identifiability, diagnosis: Diagnosis, resul
         title=f"Diagnosis of {session.name}",
         subtitle=f"against the camera file {session.camera.name}: {session.looked_at()}",
         tone=_TONE[result.verdict],
-        headline=_HEADLINE[result.verdict].format(", ".join(in_words(one.name) for one in result.effects)),
+        headline=_HEADLINE[result.verdict].format(
+            ", ".join(dict.fromkeys(in_words(one.name) for one in result.effects))
+        ),
         sentence=result.sentence,
         cards=_cards(result),
         gaps=_gaps(diagnosis),

@@ -42,7 +42,7 @@ class Screen:
         """(signatures,) by how much each lessens the loss of z, beyond what the model's own parameters
         can."""
         own, both = self.own(z).gain, [self.with_effect(z, one) for one in self.signatures]
-        return np.array([found.gain - own if found.x[-1] > 0 else -np.inf for found in both])
+        return np.array([max(found.gain - own, 0.0) if found.x[-1] > 0 else 0.0 for found in both])
 
     def with_effect(self, z: NDArray[np.float64], one: Signature) -> Fitted:
         """Amounts of the model's own parameters and, last, of an effect that fit z best."""

@@ -1,8 +1,5 @@
-"""A recording made ready for diagnosis, and runs that are kept on disk so that it can be interrupted."""
+"""A recording made ready for diagnosis: what of it is looked at, and all that the search asks for."""
 
-import hashlib
-import threading
-from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,15 +8,15 @@ from numpy.typing import NDArray
 
 from voltcam_client.formats import Recording
 from voltcam_simulator import Camera, Parameters
-from voltcam_simulator.kernel import CACHE_FOLDER
 
-from ..battery import Setting, setting_of
+from ..battery import setting_of
 from ..health import Health, examine
 from ..scene import Scene, scene_of
 from .catalogue import Asymmetry, Candidate, catalogue
 from .clues import clues
 from .model import Model
-from .rig import Rig, Values
+from .rig import Values
+from .stored import StoredRig
 
 MOST_SAMPLES = 3_500_000  # pixels x frames, all of 60 x 60 pixels for 10 s at 100 frames/s
 MOST_EVENTS = 200_000
@@ -27,61 +24,10 @@ MOST_SECONDS = 10.0
 FEWEST_FRAMES = 10
 _TRUSTED = 0.9
 _CLOCK_US = 4_032_000  # a multiple of all ticks a camera may have: stamps stay as divisible as they are
-_SEEDS_APART = 1 << 20  # a multiple of the versions of light, which a seed's remainder chooses
-
-Batch = Callable[[int], None]
-Done = Callable[[], None]
 
 
 class DiagnosisError(ValueError):
     """A recording that cannot be diagnosed: what is wrong with it and what to do, in one line."""
-
-
-class StoredRig(Rig):
-    """A rig that keeps what it saw of each run in `folder`, and takes it from there when asked again.
-
-    batch(n): n runs begin; done(): one of them has ended. Seeds of runs are moved by `seed`.
-    """
-
-    def __init__(
-        self, setting: Setting, folder: Path, seed: int = 0, batch: Batch = lambda _: None,
-        done: Done = lambda: None, threads: int | None = None,
-    ) -> None:  # fmt: skip
-        super().__init__(setting, threads)
-        self.batch, self.done = batch, done
-        self._folder, self._seed = folder, seed
-        self._digest = _digest(setting)
-        folder.mkdir(parents=True, exist_ok=True)
-
-    def events(self, parameters: Parameters, seed: int) -> NDArray[np.void]:
-        """The events of one run."""
-        return super().events(parameters, seed + _SEEDS_APART * self._seed)
-
-    def run(self, parameters: Parameters, seed: int) -> Values:
-        """(PARTS, n) what the battery sees of one run, comparable."""
-        key = f"{self._digest} {self._seed} {seed} {parameters.model_dump_json()}"
-        path = self._folder / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.npy"
-        values = _read(path)
-        if values is None:
-            values = super().run(parameters, seed)
-            partial = path.with_suffix(f".{threading.get_ident()}.partial")
-            with partial.open("wb") as file:
-                np.save(file, values)
-            partial.replace(path)
-        self.done()
-        return values
-
-    def runs(self, jobs: Iterable[tuple[Parameters, int]]) -> list[Values]:
-        """Many runs, on all cores."""
-        jobs = list(jobs)
-        self.batch(len(jobs))
-        return super().runs(jobs)
-
-    def forget(self) -> None:
-        """Remove what is on disk."""
-        for path in self._folder.glob("*"):
-            path.unlink(missing_ok=True)
-        self._folder.rmdir()
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,28 +178,3 @@ def _is_on(candidate: Candidate, parameters: Parameters) -> bool:
 def _spans(columns: NDArray[np.int64]) -> str:
     runs = np.split(columns, np.flatnonzero(np.diff(columns) > 1) + 1)
     return " and ".join(f"{run[0]} to {run[-1]}" for run in runs)
-
-
-def _digest(setting: Setting) -> str:
-    """Of all that a run depends on, beside parameters and seed."""
-    scene, digest = setting.scene, hashlib.sha256(CACHE_FOLDER.name.encode())
-    for array in (
-        scene.taken,
-        scene.taken_us,
-        scene.images,
-        scene.t_us,
-        setting.pixels,
-        setting.frame_starts_us,
-    ):
-        digest.update(np.ascontiguousarray(array).tobytes())
-    digest.update(setting.parameters.model_dump_json().encode())
-    for source in sorted(Path(__file__).parents[1].rglob("*.py")):
-        digest.update(source.read_bytes())
-    return digest.hexdigest()
-
-
-def _read(path: Path) -> Values | None:
-    try:
-        return np.asarray(np.load(path), np.float64)
-    except (OSError, ValueError, EOFError):  # not there, or cut off
-        return None

@@ -11,11 +11,13 @@ REFERENCE_DN = 128.0
 
 
 class ResidualDrift(Effect):
-    """Drift per_us ((L + dark_dn)/(128 + dark_dn))^power (1 + across u + down v), u and v from -1 to 1 over the
-    image: what is left to say of a drift whose mechanism is unknown.
+    """Drift per_us ((L + dark_dn)/(128 + dark_dn))^power (1 + across u + down v), u and v from -1 to 1 over
+    the image: what is left to say of a drift whose mechanism is unknown.
     """
 
-    signature: ClassVar[str] = "ON or OFF events at rest that no known effect gives, smooth in brightness and place"
+    signature: ClassVar[str] = (
+        "ON or OFF events at rest that no known effect gives, smooth in brightness and place"
+    )
     steady: ClassVar[bool] = True
 
     per_us: float = quantity(
@@ -53,8 +55,8 @@ class ResidualDrift(Effect):
 
 @kernel
 def add_power(
-    first: Any, last: Any, size: Any, power: Any, dark: Any, across: Any, down: Any, first_row: Any, width: Any,
-    height: Any, drift: Any,
+    first: Any, last: Any, size: Any, power: Any, dark: Any, across: Any, down: Any, first_row: Any,
+    width: Any, height: Any, drift: Any,
 ) -> None:  # fmt: skip
     scale = 1 / (REFERENCE_DN + dark)
     for i in range(drift.shape[0]):

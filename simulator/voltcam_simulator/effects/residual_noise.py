@@ -10,8 +10,8 @@ from .residual_drift import REFERENCE_DN
 
 
 class ResidualNoise(Effect):
-    """Independent noise sigma^2 = variance_per_us ((L + dark_dn)/(128 + dark_dn))^power: what is left to say of a
-    noise whose mechanism is unknown.
+    """Independent noise sigma^2 = variance_per_us ((L + dark_dn)/(128 + dark_dn))^power: what is left to say
+    of a noise whose mechanism is unknown.
     """
 
     signature: ClassVar[str] = "wider intervals, or ON and OFF events at rest, that no known noise gives"

@@ -10,8 +10,8 @@ from voltcam_simulator.effects import EFFECTS
 
 CLUES = Clues(6.0, 50_000, 100.0, 40_000, 500, 35.25, 36, 1234.0, 1)
 INPUT_AND_BASE = {
-    "contrast_response", "photon_noise", "junction_leak", "parasitic_photocurrent", "leak_noise", "dark_current",
-    "residual_drift", "residual_noise",
+    "contrast_response", "photon_noise", "junction_leak", "parasitic_photocurrent", "leak_noise",
+    "dark_current", "residual_drift", "residual_noise",
 }  # fmt: skip
 
 

@@ -150,6 +150,9 @@ THIRD = next(effect for effect in SINGLES if effect not in (ONE, OTHER))
         ("deleted/flicker", said(verdict="unknown"), "right"),
         ("deleted/flicker", said("latency"), "wrong"),
         ("shuffled/0", said(verdict="none"), "abstained"),
+        ("shuffled/0", said(verdict="refused"), "right"),
+        ("nulls/0", said(verdict="refused"), "wrong"),
+        (FLICKER, said(verdict="refused"), "abstained"),
         ("twice/flicker", said("flicker"), "right"),
     ],
 )
@@ -259,13 +262,23 @@ def test_page_of_a_part_says_so(right: list[Line]) -> None:
     assert "not run" in text
 
 
+def test_page_tells_why_a_good_recording_was_refused() -> None:
+    lines = [
+        Line(case=name, verdict=Verdict(verdict="refused", reason="too dark"))
+        for name in (FLICKER, "shuffled/0")
+    ]
+    told = page(GRID, lines, 1000).partition("Wrong answers")[2]
+    assert "too dark" in told
+    assert "shuffled" not in told
+
+
 def test_confusion_matrix_counts_answers() -> None:
     case = named(FLICKER)
     text = page(GRID, [answered(case, "latency"), answered(named("nulls/0"), verdict="none")], 1000)
     matrix = text.partition("Who was taken")[2]
-    assert "|  | hidden | b | none | unknown | crashed |" in matrix
-    assert "| a | flicker | 1 | . | . | . |" in matrix
-    assert "| c | nothing | . | 1 | . | . |" in matrix
+    assert "|  | hidden | b | none | unknown | refused | crashed |" in matrix
+    assert "| a | flicker | 1 | . | . | . | . |" in matrix
+    assert "| c | nothing | . | 1 | . | . | . |" in matrix
 
 
 def stub(case: Case) -> Line:
@@ -296,7 +309,7 @@ def test_run_goes_on_where_it_stopped(tmp_path: Path) -> None:
 
 def test_a_strong_effect_is_named_for_real() -> None:
     """A part of the grid that is small enough for every day, on a seed for development."""
-    case = next(case for case in grid(0) if case.name == "singles/refractory_period/strong/0")
+    case = next(case for case in grid(0) if case.name == "singles/flicker/strong/0")
     asked = question(case, recorded(case))
     early, shown = asked.events["t"] < 3_000_000, asked.frame_t_us <= 3_000_000
     half = replace(

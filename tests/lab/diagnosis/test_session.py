@@ -8,7 +8,8 @@ import pytest
 
 from voltcam_client.formats import Recording
 from voltcam_lab.diagnosis.rig import Rig
-from voltcam_lab.diagnosis.session import DiagnosisError, StoredRig, cut, sample, session_of
+from voltcam_lab.diagnosis.session import DiagnosisError, cut, sample, session_of
+from voltcam_lab.diagnosis.stored import StoredRig
 from voltcam_simulator import EVENT, Camera, Parameters
 
 PAPER = Camera.load("paper")

@@ -1,0 +1,92 @@
+"""Runs of the rig that are kept on disk, so that a diagnosis can be interrupted and goes on from there."""
+
+import hashlib
+import threading
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from voltcam_simulator import Parameters
+from voltcam_simulator.kernel import CACHE_FOLDER
+
+from ..battery import Setting
+from .rig import Rig, Values
+
+_SEEDS_APART = 1 << 20  # a multiple of the versions of light, which a seed's remainder chooses
+
+Batch = Callable[[int], None]
+Done = Callable[[], None]
+
+
+class StoredRig(Rig):
+    """A rig that keeps what it saw of each run in `folder`, and takes it from there when asked again.
+
+    batch(n): n runs begin; done(): one of them has ended. Seeds of runs are moved by `seed`.
+    """
+
+    def __init__(
+        self, setting: Setting, folder: Path, seed: int = 0, batch: Batch = lambda _: None,
+        done: Done = lambda: None, threads: int | None = None,
+    ) -> None:  # fmt: skip
+        super().__init__(setting, threads)
+        self.batch, self.done = batch, done
+        self._folder, self._seed = folder, seed
+        self._digest = _digest(setting)
+        folder.mkdir(parents=True, exist_ok=True)
+
+    def events(self, parameters: Parameters, seed: int) -> NDArray[np.void]:
+        """The events of one run."""
+        return super().events(parameters, seed + _SEEDS_APART * self._seed)
+
+    def run(self, parameters: Parameters, seed: int) -> Values:
+        """(PARTS, n) what the battery sees of one run, comparable."""
+        key = f"{self._digest} {self._seed} {seed} {parameters.model_dump_json()}"
+        path = self._folder / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.npy"
+        values = _read(path)
+        if values is None:
+            values = super().run(parameters, seed)
+            partial = path.with_suffix(f".{threading.get_ident()}.partial")
+            with partial.open("wb") as file:
+                np.save(file, values)
+            partial.replace(path)
+        self.done()
+        return values
+
+    def runs(self, jobs: Iterable[tuple[Parameters, int]]) -> list[Values]:
+        """Many runs, on all cores."""
+        jobs = list(jobs)
+        self.batch(len(jobs))
+        return super().runs(jobs)
+
+    def forget(self) -> None:
+        """Remove what is on disk."""
+        for path in self._folder.glob("*"):
+            path.unlink(missing_ok=True)
+        self._folder.rmdir()
+
+
+def _digest(setting: Setting) -> str:
+    """Of all that a run depends on, beside parameters and seed."""
+    scene, digest = setting.scene, hashlib.sha256(CACHE_FOLDER.name.encode())
+    for array in (
+        scene.taken,
+        scene.taken_us,
+        scene.images,
+        scene.t_us,
+        setting.pixels,
+        setting.frame_starts_us,
+    ):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    digest.update(setting.parameters.model_dump_json().encode())
+    for source in sorted(Path(__file__).parents[1].rglob("*.py")):
+        digest.update(source.read_bytes())
+    return digest.hexdigest()
+
+
+def _read(path: Path) -> Values | None:
+    try:
+        return np.asarray(np.load(path), np.float64)
+    except (OSError, ValueError, EOFError):  # not there, or cut off
+        return None
