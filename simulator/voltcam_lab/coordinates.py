@@ -5,12 +5,11 @@ from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from voltcam_simulator import Parameters
 
 WHITE_DN = 255.0
-DARK_DN = 16.0  # grey levels below that are near a camera's black, where they tell least of the light
+DARK_DN = 4.0  # grey levels below that are near a camera's black, where they tell least of the light
 
 Point = Mapping[str, float]
 """Coordinates of the search; positive, except that what may be absent is 0 then.
@@ -96,15 +95,9 @@ def response(point: Point, grey_dn: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(point["gain"] / gamma * (light - light[0]))
 
 
-def bent(point: Point, gamma: float) -> dict[str, float]:
-    """Another gamma, and the gain and knee with which all but the dark responds as before."""
-    grey_dn = np.geomspace(DARK_DN, WHITE_DN / 2, 30)
-    wanted = response(point, grey_dn)
-
-    def at(log: NDArray[np.float64]) -> dict[str, float]:
-        return {**point, "gamma": gamma, "gain": math.exp(log[0]), "knee_dn": math.exp(log[1])}
-
-    start = np.log([point["gain"], point["knee_dn"]])
-    ends = start - 3, start + 3
-    found = least_squares(lambda log: response(at(log), grey_dn) - wanted, start, bounds=ends)
-    return at(found.x)
+def bent(point: Point, gamma: float, knee_dn: float) -> dict[str, float]:
+    """Another gamma and knee, and the gain with which the response from dark to bright is what it was."""
+    ends = np.array([DARK_DN, WHITE_DN / 2])
+    other = {**point, "gamma": gamma, "knee_dn": knee_dn}
+    other["gain"] *= float(response(point, ends)[1] / response(other, ends)[1])
+    return other

@@ -37,7 +37,7 @@ DEVELOPED_PIXELS = 12  # side of the tiles, every other one of which judges what
 LONGEST = 40e6  # pixels times images of light that are simulated: the busiest stretch of more than that
 BETTER = 0.998  # of the score, for what is new to stay
 SHARPENING = (0.15, 0.3, 0.45)
-GAMMAS = (1.0, 0.6)
+BENDS = ((1.0, 1.0), (0.6, 2.5), (0.6, 5.0))  # factors of gamma, and of the knee
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,8 +195,8 @@ class _Search:
         even = evened(self.scene)
         lights = [(self.scene, "as it was", 0.0)]
         lights += [(sharpened(even, x), f"evened, sharpened by {x:g}", x) for x in SHARPENING]
-        for gamma in GAMMAS:
-            tried = point if gamma == point["gamma"] else bent(point, gamma)
+        for bend, knee in BENDS:
+            tried = bent(point, bend * point["gamma"], knee * point["knee_dn"])
             for scene, words, sharpening in lights:
                 trial = self._tried(tried, scene, words, sharpening)
                 best, tried = (trial if trial.score < best.score else best), trial.point
@@ -237,9 +237,9 @@ class _Search:
 
     def _with(self, point: dict[str, float], name: str, value: float) -> dict[str, float]:
         """A mechanism at a size; what it makes late is taken from the delay, what it bends from the gain."""
-        changed = point | {name: value}
         if name == "gamma":
-            return bent(point, value)
+            return bent(point, value, point["knee_dn"])
+        changed = point | {name: value}
         if name == "cutoff_hz":
             slower_us = 2e6 / (2 * math.pi) * (1 / value - 1 / (point[name] or math.inf))
             changed["delay_us"] = max(point["delay_us"] - slower_us, 1.0)
