@@ -121,7 +121,9 @@ def table(found: Sequence[Judged]) -> list[Figure]:
         *_shares(named),
         *_sizes([one.size for one in singles if one.size]),
         _uniform([one.line.verdict.p_value if one.line.verdict else 0.0 for one in nulls]),
-        _time([one.line.cpu_s for one in found if one.line.verdict]),
+        _time(
+            [one.line.cpu_s for one in found if one.line.verdict and one.line.verdict.verdict != "refused"]
+        ),
     ]
     return rows
 

@@ -17,7 +17,8 @@ Report = Callable[[str], None]
 
 ALPHA = 0.01  # chance of a name where nothing is missing, over the whole catalogue
 LEAST_GAIN = 30.0  # of training loss: less could be the light between frames
-TOLERANCE = 0.25  # of the gap over its floor: what frames may leave open
+TOLERANCE = 0.25  # of the gap over its floor: what an explanation may leave
+OPEN = 0.5  # of the gap over its floor: what frames may leave open without anything missing
 SHARE = 0.8  # of the gap over its floor: an effect that removes so much is named though not all is explained
 HELD_OUT_SHARE = 0.3  # of the training gain, by statistic, that held-out data must confirm
 AS_GOOD = 15.0  # of training loss: rivals that are no worse are not told apart
@@ -70,8 +71,8 @@ def diagnose(
             steps.append(after)
         step = steps[-1]
     kept, model = _needed(found, step.model), step.model
-    verdict: Verdict = "effects" if kept else "unknown" if _excess(step) > TOLERANCE else "none"
-    residual = _residual(rig, data, step, report) if _excess(step) > TOLERANCE else None
+    verdict: Verdict = "effects" if kept else "unknown" if _excess(step) > OPEN else "none"
+    residual = _residual(rig, data, step, report) if _excess(step) > OPEN else None
     if residual is not None:
         model = residual.model
     return Diagnosis(verdict, tuple(kept), model, tuple(steps), residual)

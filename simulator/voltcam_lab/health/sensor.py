@@ -15,7 +15,7 @@ _STILL = 0.002  # share of samples in which anything changes: no more than noise
 _FEWEST_PER_CHANGE = 0.2  # events per change of ln L by 1: thresholds are 0.1 to 0.6, so 2 to 10 are usual
 _GAP_US = 5000
 _GAP_EVENTS = 50.0  # that the light makes expect in a gap: e^-50 by chance
-_SURE = 8.0  # standard deviations of the lag search
+_SURE = 6.0  # standard deviations of the lag search: its highest of hundreds by chance is about 4
 
 
 def light(subject: Subject) -> list[Finding]:
