@@ -19,11 +19,6 @@ from voltcam_simulator import Camera, Simulator
 SECONDS, FPS = 3.0, 120
 
 
-@pytest.fixture(autouse=True)
-def _as_installed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(cli.OWN_COMMANDS, "calibrate", ("", cli_calibrate.configure))
-
-
 def written(path: Path, events: np.ndarray, frames: np.ndarray, t_us: np.ndarray) -> Path:
     with open_writer(path, width=48, height=36) as writer:
         writer.events(np.asarray(events, EVENT))
