@@ -44,7 +44,7 @@ class Calibrated:
         lines = [f"# Calibrated by `voltcam calibrate` ({self.method} law) from {source}."]
         lines += [f"# {note}" for note in self.notes]
         if self.estimates:
-            lines.append("# 90 % intervals, and what fixes each value: data, or what is usual (prior):")
+            lines.append("# 90 % intervals, and what fixes each: data, or only the prior (nothing much):")
         for one in self.estimates:
             name = f"{one.effect}.{one.parameter}"
             lines.append(f"#   {name:<36} {one.low:.3g} .. {one.high:.3g}  {one.rests_on}")
@@ -181,7 +181,9 @@ def _notes_of(found: Calibration) -> list[str]:
         )
     guessed = [f"{one.effect}.{one.parameter}" for one in found.estimates if one.rests_on == "prior"]
     if guessed:
-        notes.append(f"not determined by this recording, but what is usual: {', '.join(guessed)}")
+        notes.append(
+            f"not determined by this recording, any value in the interval will do: {', '.join(guessed)}"
+        )
     return notes
 
 

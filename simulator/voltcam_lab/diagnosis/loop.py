@@ -9,7 +9,7 @@ import numpy as np
 from .catalogue import Candidate
 from .model import BASE, Model
 from .rig import Rig, Values
-from .search import Step, Trial, base_fitted, step_of
+from .search import AS_GOOD, Step, Trial, base_fitted, step_of
 from .unlisted import Residual, residual_of, residual_step
 
 Verdict = Literal["effects", "none", "unknown"]
@@ -21,7 +21,6 @@ TOLERANCE = 0.25  # of the gap over its floor: what an explanation may leave
 OPEN = 0.5  # of the gap over its floor: what frames may leave open without anything missing
 SHARE = 0.8  # of the gap over its floor: an effect that removes so much is named though not all is explained
 HELD_OUT_SHARE = 0.3  # of the training gain, by statistic, that held-out data must confirm
-AS_GOOD = 15.0  # of training loss: rivals that are no worse are not told apart
 DEEPEST = 4  # effects
 
 

@@ -1,12 +1,8 @@
 """DIR/report.html: the diagnosis as a page that stands alone."""
 
 from collections.abc import Sequence
-from typing import Any
 
-import numpy as np
 from markupsafe import Markup
-
-from voltcam_simulator.effect import Events
 
 from ..battery import COUNTS, LABELS
 from ..page import figure, render, table
@@ -178,10 +174,10 @@ def _from_battery(rig: Rig, data: Values, models: dict[str, View]) -> list[tuple
 
 def _from_events(session: Session, models: dict[str, View]) -> list[tuple[str, Markup]]:
     rig = session.rig
-    streams = {"measured": [in_trusted_light(rig, session.recording.events)]}
+    streams = {"measured": [rig.in_trusted_light(session.recording.events)]}
     for name, view in models.items():
         runs = [rig.events(view.model.parameters(), seed) for seed in TWINS[:RUNS]]
-        streams[name] = [in_trusted_light(rig, run) for run in runs]
+        streams[name] = [rig.in_trusted_light(run) for run in runs]
     setting = rig.setting
     return [
         ("Pixels", figure(
@@ -194,16 +190,6 @@ def _from_events(session: Session, models: dict[str, View]) -> list[tuple[str, M
             figures_events.frame_phase(streams, setting),
             "Events that the camera's own frames make stand at one phase, or run down the rows.")),
     ]  # fmt: skip
-
-
-def in_trusted_light(rig: Rig, events: Events) -> Events:
-    """Those that the battery looks at: where light between frames is known well enough."""
-    scene = rig.setting.scene
-    inside = events[(events["t"] >= scene.taken_us[0]) & (events["t"] <= scene.taken_us[-1])]
-    gap = np.clip(np.searchsorted(scene.taken_us, inside["t"], side="right") - 1, 0, len(scene.taken_us) - 2)
-    known: Any = scene.trusted()[gap, inside["y"].astype(np.int64) * scene.width + inside["x"]]
-    found: Events = inside[known]
-    return found
 
 
 def _base(told: Identifiability, diagnosis: Diagnosis) -> Markup:

@@ -36,14 +36,18 @@ class Rig:
         return self.observe(self.events(parameters, seed))
 
     def observe(self, events: NDArray[np.void]) -> Values:
-        """(PARTS, n) what the battery sees of events, where the light is known well enough
-        (`Scene.trusted`)."""
+        """(PARTS, n) what the battery sees of events, `in_trusted_light`."""
+        return comparable(observe(self.setting, self.in_trusted_light(events)).values)
+
+    def in_trusted_light(self, events: NDArray[np.void]) -> NDArray[np.void]:
+        """Those events that come where the light is known well enough (`Scene.trusted`)."""
         scene = self.setting.scene
-        gap = np.clip(
-            np.searchsorted(scene.taken_us, events["t"], side="right") - 1, 0, len(scene.taken_us) - 2
-        )
-        known = self._known[gap, events["y"].astype(np.int64) * scene.width + events["x"]]
-        return comparable(observe(self.setting, events[known]).values)
+        inside = events[(events["t"] >= scene.taken_us[0]) & (events["t"] <= scene.taken_us[-1])]
+        gap = np.searchsorted(scene.taken_us, inside["t"], side="right") - 1
+        last = len(scene.taken_us) - 2
+        pixel = inside["y"].astype(np.int64) * scene.width + inside["x"]
+        found: NDArray[np.void] = inside[self._known[np.minimum(gap, last), pixel]]
+        return found
 
     def events(self, parameters: Parameters, seed: int) -> NDArray[np.void]:
         """The events of one run."""

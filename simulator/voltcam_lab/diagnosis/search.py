@@ -16,6 +16,7 @@ COARSE, TWINS, SIGNATURE, FITTING = range(500, 508), range(1000, 1028), range(2)
 """Seeds of runs: to fit the base, of the twins, for signatures, and to fit effects. 4 versions of the
 light."""
 TRIED = 3  # effects that are fitted by simulation
+AS_GOOD = 15.0  # of training loss: rivals that are no worse are not told apart
 
 
 @dataclass(frozen=True, eq=False)

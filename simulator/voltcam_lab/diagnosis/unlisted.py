@@ -7,10 +7,9 @@ from voltcam_simulator import Parameters
 from .catalogue import Candidate
 from .model import Model
 from .rig import Rig, Values
-from .search import Step, Trial, step_of
+from .search import AS_GOOD, Step, Trial, step_of
 
 POWERS = (-2.0, -1.0, -0.5, 0.0, 0.5, 1.0)
-AS_GOOD = 15.0  # of training loss: forms that are no worse are of one class
 STEEP = 2.0  # growth over the image, relative
 
 
