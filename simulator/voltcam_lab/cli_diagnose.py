@@ -114,8 +114,8 @@ def _follow(session: Session, bar: "tqdm[Any]") -> None:
         bar.n, bar.total = 0, runs
         bar.refresh()
 
-    def end() -> None:
-        bar.update()
+    def end(runs: int) -> None:
+        bar.update(runs)
 
     session.rig.batch, session.rig.done = begin, end
 

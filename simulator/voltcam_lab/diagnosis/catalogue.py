@@ -9,6 +9,14 @@ from voltcam_simulator import Parameters
 
 WEAKER = ("cutoff_hz", "max_rate_events_per_s")
 """Sizes that make an effect weaker when they grow."""
+SCALED = (
+    ("contrast_response", "k1"),
+    ("photon_noise", "k3"),
+    ("junction_leak", "k4_per_us"),
+    ("parasitic_photocurrent", "k5_per_dn_us"),
+    ("leak_noise", "k6"),
+)
+"""What is in units of the thresholds."""
 RATIOS = ("ratio", "gamma_exponent")
 """Sizes that are 1 where there is no effect."""
 
@@ -40,14 +48,19 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Asymmetry(Candidate):
-    """Unequal thresholds: their ratio is the size, their product stays."""
+    """Unequal thresholds: their ratio is the size, their product stays.
+
+    Gain, leaks and noise go with theta_on, so that ON events stay as they are: those at rest tell so sharply
+    of theta_on over the leak that one cannot be moved without the other.
+    """
 
     def on(self, parameters: Parameters, size: tuple[float, ...]) -> Parameters:
         """The parameters with theta_on/theta_off times the size."""
-        now, (ratio,) = parameters.comparator, size
-        return parameters.changed(
-            {"comparator": {"theta_on": now.theta_on * ratio**0.5, "theta_off": now.theta_off * ratio**-0.5}}
-        )
+        now, up = parameters.comparator, size[0] ** 0.5
+        changes = {"comparator": {"theta_on": now.theta_on * up, "theta_off": now.theta_off / up}}
+        for effect, name in SCALED:
+            changes[effect] = {name: getattr(getattr(parameters, effect), name) * up}
+        return parameters.changed(changes)
 
 
 @dataclass(frozen=True)
@@ -81,7 +94,7 @@ def catalogue(clues: Clues) -> tuple[Candidate, ...]:
     usb = {"buffer_events": 64}
     return (
         Candidate("refractory_period", **_one("period_us", 700, 3000)),
-        Candidate("photoreceptor_bandwidth", **_one("cutoff_hz", 400, 80)),
+        Candidate("photoreceptor_bandwidth", ("cutoff_hz", "follower_hz"), ((400, 3200), (80, 640))),
         Asymmetry("comparator", **_one("ratio", 1.15, 1 / 1.15)),
         Candidate("flicker", **_one("depth", 0.025), others={"frequency_hz": clues.flicker_hz}),
         Candidate("aps_coupling", **_one("exposure_kick", 0.03, -0.03), others=scan),

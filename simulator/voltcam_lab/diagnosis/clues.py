@@ -20,7 +20,7 @@ def clues(setting: Setting, events: NDArray[np.void], row_us: float | None = Non
     return Clues(
         seconds=seconds,
         peak_rate_per_s=float(np.quantile(per_ms, 0.999)) * 1000,
-        flicker_hz=loudest_hz(t_us, seconds),
+        flicker_hz=loudest_hz(t_us, events["p"]),
         frame_period_us=setting.frame_period_us,
         exposure_us=exposure_us,
         row_us=USUAL_ROW_US if row_us is None else row_us,
@@ -47,14 +47,19 @@ def exposure_of(setting: Setting, events: NDArray[np.void]) -> tuple[float, floa
     return origin_us + peaks[0] * period_us, length if 50 < length < period_us / 2 else USUAL_EXPOSURE_US
 
 
-def loudest_hz(t_us: NDArray[np.int64], seconds: float) -> float:
-    """The frequency with the highest Rayleigh power of event times, in FLICKER_HZ."""
+def loudest_hz(t_us: NDArray[np.int64], on: NDArray[np.bool_]) -> float:
+    """The frequency at which ON and OFF events come most by turns, in FLICKER_HZ; t_us ascending.
+
+    Both together would show twice the frequency of a lamp: its light rises once a period, and falls once.
+    """
     if t_us.size < 2:
         return 100.0
     step_us = 500
-    rate = np.bincount((t_us - t_us[0]) // step_us).astype(float)
-    slow = np.convolve(rate, np.ones(81) / 81, mode="same")
-    power = np.abs(np.fft.rfft((rate - slow) / np.sqrt(slow + 1), n=4 * rate.size)) ** 2
+    step = (t_us - t_us[0]) // step_us
+    signed, rate = np.bincount(step, 2.0 * on - 1), np.bincount(step).astype(float)
+    window = np.ones(81) / 81
+    slow, level = (np.convolve(each, window, mode="same") for each in (signed, rate))
+    power = np.abs(np.fft.rfft((signed - slow) / np.sqrt(level + 1), n=4 * rate.size)) ** 2
     hz = np.fft.rfftfreq(4 * rate.size, step_us * 1e-6)
     inside = (hz >= FLICKER_HZ[0]) & (hz <= FLICKER_HZ[1])
     return float(hz[inside][np.argmax(power[inside])]) if inside.any() else 100.0

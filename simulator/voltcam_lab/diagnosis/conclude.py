@@ -11,7 +11,7 @@ from ..battery import COUNTS, LABELS
 from .advice import next_recording
 from .catalogue import Asymmetry, Candidate
 from .identify import Identifiability, covariance
-from .loop import ALPHA, TOLERANCE, Diagnosis, Found
+from .loop import TOLERANCE, Diagnosis, Found
 from .model import BASE, Model
 from .result import (
     Detectable,
@@ -27,7 +27,7 @@ from .result import (
     Stratum,
     Versions,
 )
-from .search import FITTING, SIGNATURE, TWINS, Step
+from .search import ALPHA, FITTING, SIGNATURE, TWINS, Step
 from .session import Session
 from .where import Ranked, View, ranked, views
 

@@ -11,11 +11,10 @@ from scipy.stats import gumbel_r
 from voltcam_simulator import Parameters
 
 from .catalogue import RATIOS, WEAKER, Candidate
-from .loop import ALPHA, LEAST_GAIN
 from .model import BASE, Model, flat, spread_of
 from .rig import Rig
 from .screen import Screen, Signature, screen_of
-from .search import FITTING, SIGNATURE, TWINS
+from .search import ALPHA, FITTING, LEAST_GAIN, SIGNATURE, TWINS
 
 MIXED = 0.6  # correlation from which two parameters are said to be mixed up
 _FIXED, _PARTLY = 0.9, 0.5  # share of the prior's variance that is gone

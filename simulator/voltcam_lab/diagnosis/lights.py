@@ -15,19 +15,12 @@ Plane = NDArray[np.float32]
 
 
 def light_behind(scene: Scene, version: int) -> Iterator[tuple[Plane, int]]:
-    """(H, W) float32 [DN] and its time [us], for each of the scene's images.
-
-    Frames of whole grey levels are roundings: each stands for any light within half a level, the same for as
-    long as it does not change.
-    """
+    """(H, W) float32 [DN] and its time [us], for each of the scene's images."""
     rng, (more, error) = np.random.default_rng(version), LIGHTS[version]
-    whole = np.issubdtype(scene.taken.dtype, np.integer)
     shape, last = scene.taken.shape[1:], len(scene.taken_us) - 1
-    rounding, frame = _roundings(scene, rng, whole), -1
-    now = later = gap = np.zeros(shape, np.float32)
+    frame, gap = -1, np.zeros(shape, np.float32)
     for image, t_us in zip(scene.images, scene.t_us.tolist(), strict=True):
         while frame < 0 or (frame < last - 1 and t_us > scene.taken_us[frame + 1]):
-            now, later = (next(rounding), next(rounding)) if frame < 0 else (later, next(rounding))
             gap, frame = rng.standard_normal(shape, np.float32), frame + 1
         begin_us, end_us = scene.taken_us[frame], scene.taken_us[frame + 1]
         phase = np.float32(np.clip((t_us - begin_us) / (end_us - begin_us), 0, 1))
@@ -38,15 +31,5 @@ def light_behind(scene: Scene, version: int) -> Iterator[tuple[Plane, int]]:
             * (1 - phase)
             * np.maximum(scene.surprise[frame], scene.surprise[frame + 1]).reshape(shape)
         )
-        light = image + more * (image - straight) + error * gap * doubt + (1 - phase) * now + phase * later
+        light = image + more * (image - straight) + error * gap * doubt
         yield np.maximum(light, 0).astype(np.float32), t_us
-
-
-def _roundings(scene: Scene, rng: np.random.Generator, whole: bool) -> Iterator[Plane]:
-    """What each frame lost by rounding (H, W) [DN], frame after frame."""
-    former = np.zeros(scene.taken.shape[1:], np.float32)
-    for k in range(len(scene.taken)):
-        if whole:
-            anew = rng.random(former.shape, np.float32) - np.float32(0.5)
-            former = anew if k == 0 else np.where(scene.taken[k] == scene.taken[k - 1], former, anew)
-        yield former

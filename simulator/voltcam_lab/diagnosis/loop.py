@@ -9,14 +9,12 @@ import numpy as np
 from .catalogue import Candidate
 from .model import BASE, Model
 from .rig import Rig, Values
-from .search import AS_GOOD, Step, Trial, base_fitted, step_of
+from .search import ALPHA, AS_GOOD, Step, Trial, base_fitted, step_of
 from .unlisted import Residual, residual_of, residual_step
 
 Verdict = Literal["effects", "none", "unknown"]
 Report = Callable[[str], None]
 
-ALPHA = 0.01  # chance of a name where nothing is missing, over the whole catalogue
-LEAST_GAIN = 30.0  # of training loss: less could be the light between frames
 TOLERANCE = 0.25  # of the gap over its floor: what an explanation may leave
 OPEN = 0.5  # of the gap over its floor: what frames may leave open without anything missing
 SHARE = 0.8  # of the gap over its floor: an effect that removes so much is named though not all is explained
@@ -62,7 +60,7 @@ def diagnose(
     steps: list[Step] = [step]
     found: list[Found] = []
     while len(found) < DEEPEST and (trials := _promising(step)):
-        chain = _explained(rig, data, candidates, step, trials[0], report)
+        chain = _explained(rig, data, candidates, [*steps], trials[0], report)
         if chain is None:
             break
         for one, after in chain:
@@ -92,15 +90,16 @@ def _explained(
     rig: Rig,
     data: Values,
     candidates: Sequence[Candidate],
-    step: Step,
+    steps: Sequence[Step],
     trial: Trial,
     report: Report,
     depth: int = 2,
 ) -> list[tuple[Found, Step]] | None:
-    """The effects, each with the step after it, that explain the gap of `step` beginning with `trial`; None
-    where they leave too much of it."""
+    """The effects, each with the step after it, that explain the gap of the last of `steps` beginning with
+    `trial`; None where they leave too much of it."""
     report(f"Trying {trial.candidate.effect}.")
-    after = step_of(rig, trial.model, data, _left(candidates, trial.model))
+    step = steps[-1]
+    after = step_of(rig, trial.model, data, _left(candidates, trial.model), steps[0])
     report(_sentence(after))
     one = Found(trial, step, _rivals(step, trial))
     removed = 1 - _excess(after) / max(_excess(step), 1e-9)
@@ -109,7 +108,7 @@ def _explained(
     following = _promising(after)
     if depth == 0 or not following:
         return None
-    rest = _explained(rig, data, candidates, after, following[0], report, depth - 1)
+    rest = _explained(rig, data, candidates, [*steps, after], following[0], report, depth - 1)
     return None if rest is None else [(one, after), *rest]
 
 
@@ -121,7 +120,7 @@ def _promising(step: Step) -> list[Trial]:
     stand = []
     for trial in step.trials:
         gained, confirmed = step.training - trial.training, step.held_out - trial.held_out
-        if 3 * n * gained > LEAST_GAIN and confirmed > HELD_OUT_SHARE * gained:
+        if 3 * n * gained > step.least and confirmed > HELD_OUT_SHARE * gained:
             stand.append(trial)
     return stand
 
@@ -154,8 +153,10 @@ def _excess(step: Step) -> float:
 
 
 def _sentence(step: Step) -> str:
-    best = step.trials[0].candidate.effect if step.trials else "nothing"
-    return (
+    gap = (
         f"Gap {step.training:.2f} in training and {step.held_out:.2f} in held-out data, where chance leaves"
-        f" {step.floor_training:.2f}; {best} explains most of it."
+        f" {step.floor_training:.2f}"
     )
+    if not step.trials:
+        return f"{gap}; no effect explains more of it than chance lets one."
+    return f"{gap}; {step.trials[0].candidate.effect} explains most of it."

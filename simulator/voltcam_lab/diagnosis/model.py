@@ -109,7 +109,7 @@ class Spread:
 
 def spread_of(rig: Rig, parameters: Parameters, seeds: Sequence[int]) -> Spread:
     """Twins of a model: one for each seed."""
-    twins = rig.runs((parameters, seed) for seed in seeds)
+    twins = list(rig.runs([parameters], seeds)[0])
     mean, sd = np.mean(twins, axis=0), np.std(twins, axis=0, ddof=1)
     v = np.sqrt(np.maximum(sd, FLOORS) ** 2 * (1 + 1 / len(seeds)) + (FLOOR_SHARE * mean) ** 2)
     return Spread(mean, v, twins)
@@ -118,11 +118,9 @@ def spread_of(rig: Rig, parameters: Parameters, seeds: Sequence[int]) -> Spread:
 def slopes(rig: Rig, model: Model, seeds: Sequence[int], v: Values) -> NDArray[np.float64]:
     """(PARTS, n, k): derivatives of what the battery sees with respect to the model's `shift`, in units of
     v."""
-    sets = [model.parameters()]
-    for i in range(len(model.shift)):
-        sets.append(model.parameters([s + STEP * (i == k) for k, s in enumerate(model.shift)]))
-    here, *there = rig.means(sets, seeds)
-    return np.stack([(one - here) / STEP / v for one in there], axis=-1)
+    k = len(model.shift)
+    there = [model.parameters((model.shift + row).tolist()) for row in STEP * np.eye(k)]
+    return np.stack([one / STEP / v for one in rig.changes(model.parameters(), there, seeds)], axis=-1)
 
 
 def flat(values: NDArray[np.float64], parts: Sequence[int] = TRAINING) -> NDArray[np.float64]:

@@ -176,7 +176,7 @@ def _from_events(session: Session, models: dict[str, View]) -> list[tuple[str, M
     rig = session.rig
     streams = {"measured": [rig.in_trusted_light(session.recording.events)]}
     for name, view in models.items():
-        runs = [rig.events(view.model.parameters(), seed) for seed in TWINS[:RUNS]]
+        runs = rig.events(view.model.parameters(), TWINS[:RUNS])
         streams[name] = [rig.in_trusted_light(run) for run in runs]
     setting = rig.setting
     return [

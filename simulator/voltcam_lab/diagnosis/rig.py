@@ -1,9 +1,10 @@
 """The test rig: the model run on a recording's scene, and what the battery sees of it."""
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +15,20 @@ from ..battery import COUNTS, Setting, observe
 from .lights import LIGHTS, light_behind
 
 Values = NDArray[np.float64]
+Events = NDArray[np.void]
+Image = tuple[NDArray[np.float32], int]
+
+LEAD_IN_US = 300_000  # for which a camera has been there before it records: light that flickers, warm queues
+PLACED = ("aps_coupling", "crosstalk", "readout", "residual_drift", "usb_overflow", "vignetting")
+"""Effects to which it matters where a pixel is or what others do: they do not act on stacked sensors."""
 
 
 class Rig:
-    """Runs the model on one scene. The same parameters and seed give the same noise: runs may be compared."""
+    """Runs the model on one scene. The same parameters and seeds give the same noise: runs may be compared.
+
+    Runs that see different versions of the light are one run of a sensor as high as all of theirs, which
+    costs half as much: seeds come in batches of len(LIGHTS).
+    """
 
     def __init__(self, setting: Setting, threads: int | None = None) -> None:
         self.setting = setting
@@ -28,46 +39,104 @@ class Rig:
         return self.setting.scene.trusted()
 
     @cached_property
-    def _lights(self) -> list[list[tuple[NDArray[np.float32], int]]]:
-        return [list(light_behind(self.setting.scene, version)) for version in range(len(LIGHTS))]
+    def _lights(self) -> list[Image]:
+        """All versions of the light, one above the other."""
+        versions = [light_behind(self.setting.scene, version) for version in range(len(LIGHTS))]
+        stacked = (
+            (np.concatenate([image for image, _ in images]), images[0][1])
+            for images in zip(*versions, strict=True)
+        )
+        return list(_moving(stacked))
 
-    def run(self, parameters: Parameters, seed: int) -> Values:
-        """(PARTS, n) what the battery sees of one run, comparable."""
-        return self.observe(self.events(parameters, seed))
+    def run(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> Values:
+        """(seeds, PARTS, n) what the battery sees of a batch of runs, comparable; see `events`."""
+        return np.stack([self.observe(events) for events in self.events(parameters, seeds, apart)])
 
-    def observe(self, events: NDArray[np.void]) -> Values:
+    def observe(self, events: Events) -> Values:
         """(PARTS, n) what the battery sees of events, `in_trusted_light`."""
         return comparable(observe(self.setting, self.in_trusted_light(events)).values)
 
-    def in_trusted_light(self, events: NDArray[np.void]) -> NDArray[np.void]:
+    def in_trusted_light(self, events: Events) -> Events:
         """Those events that come where the light is known well enough (`Scene.trusted`)."""
         scene = self.setting.scene
         inside = events[(events["t"] >= scene.taken_us[0]) & (events["t"] <= scene.taken_us[-1])]
         gap = np.searchsorted(scene.taken_us, inside["t"], side="right") - 1
         last = len(scene.taken_us) - 2
         pixel = inside["y"].astype(np.int64) * scene.width + inside["x"]
-        found: NDArray[np.void] = inside[self._known[np.minimum(gap, last), pixel]]
+        found: Events = inside[self._known[np.minimum(gap, last), pixel]]
         return found
 
-    def events(self, parameters: Parameters, seed: int) -> NDArray[np.void]:
-        """The events of one run."""
-        scene = self.setting.scene
-        simulator = Simulator(scene.width, scene.height, parameters, seed=seed)
-        found = [simulator.advance(image, t_us) for image, t_us in self._lights[seed % len(LIGHTS)]]
-        return np.concatenate([np.empty(0, EVENT), *found])
+    def events(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> list[Events]:
+        """The events of each run of a batch. seeds: in sequence, of one batch.
 
-    def runs(self, jobs: Iterable[tuple[Parameters, int]]) -> list[Values]:
-        """Many runs, on all cores."""
-        jobs = list(jobs)
+        apart: each on a sensor of its own, as those with a PLACED effect are anyway.
+        """
+        if apart or placed(parameters):
+            return [self._simulated(parameters, seed, 1) for seed in seeds]
+        height, events = self.setting.scene.height, self._simulated(parameters, seeds[0], len(seeds))
+        found = []
+        for k in range(len(seeds)):
+            own = events[events["y"] // height == k]
+            own["y"] -= k * height
+            found.append(own)
+        return found
+
+    def _simulated(self, parameters: Parameters, seed: int, copies: int) -> Events:
+        scene, first = self.setting.scene, seed % len(LIGHTS)
+        rows = slice(first * scene.height, (first + copies) * scene.height)
+        simulator = Simulator(scene.width, copies * scene.height, parameters, seed=seed)
+        first_image, begin_us = self._lights[0]
+        simulator.advance(first_image[rows], begin_us - LEAD_IN_US)
+        found = [simulator.advance(image[rows], t_us) for image, t_us in self._lights]
+        as_bytes = np.concatenate([events.view(np.uint8) for events in found])  # numpy joins records slowly
+        return as_bytes.view(EVENT)
+
+    def runs(self, many: Sequence[Parameters], seeds: Sequence[int], apart: bool = False) -> list[Values]:
+        """Of each parameter set, (seeds, PARTS, n): all runs, on all cores."""
+        batches = _batches(seeds)
         _ = self._lights  # before there are threads that would each make them
         with ThreadPoolExecutor(self._threads) as pool:
-            return list(pool.map(lambda job: self.run(*job), jobs))
+            jobs = [(parameters, batch) for parameters in many for batch in batches]
+            found = list(pool.map(lambda job: self.run(job[0], job[1], apart), jobs))
+        n = len(batches)
+        return [np.concatenate(found[n * k : n * (k + 1)]) for k in range(len(many))]
 
-    def means(self, many: Sequence[Parameters], seeds: Sequence[int]) -> list[Values]:
+    def means(self, many: Sequence[Parameters], seeds: Sequence[int], apart: bool = False) -> list[Values]:
         """Of each parameter set, the mean over the seeds."""
-        found = self.runs((parameters, seed) for parameters in many for seed in seeds)
-        n = len(seeds)
-        return [np.mean(found[n * k : n * (k + 1)], axis=0) for k in range(len(many))]
+        return [runs.mean(axis=0) for runs in self.runs(many, seeds, apart)]
+
+    def changes(self, here: Parameters, there: Sequence[Parameters], seeds: Sequence[int]) -> list[Values]:
+        """What each of the parameter sets there changes in the mean, with common noise."""
+        base = {
+            apart: self.means([here], seeds, apart)[0] for apart in sorted({placed(one) for one in there})
+        }
+        means = self.means(there, seeds)
+        return [mean - base[placed(one)] for mean, one in zip(means, there, strict=True)]
+
+
+def placed(parameters: Parameters) -> bool:
+    """Whether the parameters have an effect on that is PLACED."""
+    return any(getattr(parameters, name).active for name in PLACED)
+
+
+def _batches(seeds: Sequence[int]) -> list[list[int]]:
+    return [list(batch) for _, batch in groupby(seeds, lambda seed: seed // len(LIGHTS))]
+
+
+def _moving(light: Iterator[Image]) -> Iterator[Image]:
+    """Without the images between two others that are the same: nothing happens there."""
+    former, skipped = next(light), None
+    yield former
+    for image, t_us in light:
+        if np.array_equal(image, former[0]):
+            skipped = image, t_us
+            continue
+        if skipped is not None:
+            yield skipped
+        former, skipped = (image, t_us), None
+        yield former
+    if skipped is not None:
+        yield skipped
 
 
 def comparable(values: Values) -> Values:

@@ -64,10 +64,10 @@ def screen_of(
     another version of the light."""
     parameters = model.parameters()
     plan = [(candidate, size) for candidate in candidates for size in candidate.sizes]
-    means = rig.means([parameters, *(candidate.on(parameters, size) for candidate, size in plan)], seeds)
+    changes = rig.changes(parameters, [candidate.on(parameters, size) for candidate, size in plan], seeds)
     signatures = tuple(
-        Signature(candidate, size, (there - means[0]) / spread.v)
-        for (candidate, size), there in zip(plan, means[1:], strict=True)
+        Signature(candidate, size, change / spread.v)
+        for (candidate, size), change in zip(plan, changes, strict=True)
     )
     screen = Screen(model, spread, slopes(rig, model, seeds, spread.v), signatures, np.empty(0))
     null = [screen.gains(flat(spread.against_others(n))).max() for n in range(len(spread.twins))]

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .catalogue import Candidate
-from .model import HELD_OUT, TRAINING, Model, flat, refitted, spread_of
+from .model import BASE, HELD_OUT, TRAINING, Model, flat, refitted, spread_of
 from .rig import Rig, Values
 from .robust import gap
 from .screen import Screen, screen_of
@@ -15,7 +15,11 @@ from .screen import Screen, screen_of
 COARSE, TWINS, SIGNATURE, FITTING = range(500, 508), range(1000, 1028), range(2), range(4)
 """Seeds of runs: to fit the base, of the twins, for signatures, and to fit effects. 4 versions of the
 light."""
+ALPHA = 0.01  # chance of a name where nothing is missing, over the whole catalogue
 TRIED = 3  # effects that are fitted by simulation
+LEAST_GAIN = 30.0  # of training loss: less could be the light between frames
+LEFT_BEHIND = 0.04  # of the training loss explained so far: what an effect may leave that has another form
+LARGE = 1.0  # a gap, about four times what chance leaves
 AS_GOOD = 15.0  # of training loss: rivals that are no worse are not told apart
 
 
@@ -33,7 +37,8 @@ class Trial:
 @dataclass(frozen=True, eq=False)
 class Step:
     """Where the search stands: gaps of the model in training and held-out parts, what chance alone would
-    leave (floors), the score test, and the trials, best first."""
+    leave (floors), the score test, the least gain of training loss that counts, and the trials, best first:
+    none where gains are within chance or next to nothing."""
 
     model: Model
     screen: Screen
@@ -43,6 +48,7 @@ class Step:
     floor_held_out: float
     gains: NDArray[np.float64]
     p_value: float
+    least: float
     trials: tuple[Trial, ...]
 
 
@@ -55,16 +61,23 @@ def base_fitted(rig: Rig, model: Model, data: Values) -> Model:
 
 
 def step_of(
-    rig: Rig, model: Model, data: Values, candidates: Sequence[Candidate], tried: int = TRIED
+    rig: Rig, model: Model, data: Values, candidates: Sequence[Candidate], first: Step | None = None
 ) -> Step:
-    """Look at the gap of a fitted model."""
+    """Look at the gap of a fitted model; first: the step before there was any effect in it."""
     spread = spread_of(rig, model.parameters(), TWINS)
     screen = screen_of(rig, model, spread, candidates, SIGNATURE)
     deviation = (data - spread.mean) / spread.v
     own = screen.own(flat(deviation))
     held_out = flat(deviation, HELD_OUT) - flat(screen.base, HELD_OUT) @ own.x
     gains = screen.gains(flat(deviation))
-    trials = [_trial(rig, screen, data, index, float(gains[index])) for index in _best(screen, gains, tried)]
+    p_value = screen.p_value(float(gains.max()))
+    training = gap(own.rest)
+    least = LEAST_GAIN if first is None else max(
+        LEAST_GAIN, LEFT_BEHIND * own.rest.size * (first.training - training)
+    )  # fmt: skip
+    worth = p_value <= ALPHA and gains.max() > least / 2
+    chosen = _best(screen, gains, TRIED) if worth else []
+    trials = [_trial(rig, screen, data, index, float(gains[index])) for index in chosen]
     z = [(twin - spread.mean) / spread.v for twin in spread.twins]
     floor_training, floor_held_out = (
         float(np.mean([gap(flat(one, parts)) for one in z])) for parts in (TRAINING, HELD_OUT)
@@ -75,8 +88,8 @@ def step_of(
             rig, screen, data, best.candidate, best.model, best.gain, rounds=3
         )
     return Step(
-        model, screen, gap(own.rest), gap(held_out), floor_training, floor_held_out, gains,
-        screen.p_value(float(gains.max())), tuple(sorted(trials, key=lambda trial: trial.training)),
+        model, screen, training, gap(held_out), floor_training, floor_held_out, gains,
+        p_value, least, tuple(sorted(trials, key=lambda trial: trial.training)),
     )  # fmt: skip
 
 
@@ -91,13 +104,23 @@ def _best(screen: Screen, gains: NDArray[np.float64], tried: int) -> list[int]:
 
 
 def _trial(rig: Rig, screen: Screen, data: Values, index: int, gain: float) -> Trial:
-    """The effect fitted by simulation, from where the score test has it."""
-    one, v = screen.signatures[index], screen.spread.v
-    amounts = screen.with_effect(flat((data - screen.spread.mean) / v), one).x
+    """The effect fitted by simulation, from where the score test has it.
+
+    With a large gap that is too far for a straight line, and the base may have gone astray for want of the
+    effect: it is fitted from the camera file, too, if that is nearer.
+    """
+    one, v, model = screen.signatures[index], screen.spread.v, screen.model
+    z = flat((data - screen.spread.mean) / v)
+    amounts = screen.with_effect(z, one).x
     size = one.candidate.scaled(one.size, float(np.clip(amounts[-1], 0.03, 3)))
-    base = np.array(screen.model.shift) + np.clip(amounts[:-1], -0.5, 0.5)
-    start = replace(screen.model, shift=tuple(base.tolist())).with_effect(one.candidate, size)
-    return _judged(rig, screen, data, one.candidate, start, gain)
+    base = np.array(model.shift) + np.clip(amounts[:-1], -0.5, 0.5)
+    starts = [replace(model, shift=tuple(base.tolist())).with_effect(one.candidate, size)]
+    if gap(z) > LARGE:
+        at_first = replace(model, shift=(0.0,) * len(BASE) + model.shift[len(BASE) :])
+        starts += [at_first.with_effect(one.candidate, each) for each in (size, *one.candidate.sizes)]
+    means = rig.means([start.parameters() for start in starts], FITTING)
+    nearest = int(np.argmin([gap(flat((data - mean) / v)) for mean in means]))
+    return _judged(rig, screen, data, one.candidate, starts[nearest], gain)
 
 
 def _judged(

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,7 @@ from voltcam_client.formats import Recording
 from voltcam_simulator import Camera, Parameters
 
 from ..battery import setting_of
+from ..grey_levels import unrounded
 from ..health import Health, examine
 from ..scene import Scene, scene_of
 from .catalogue import Asymmetry, Candidate, catalogue
@@ -156,8 +158,10 @@ def in_columns(recording: Recording, columns: NDArray[np.int64]) -> Recording:
     return replace(recording, events=events, frames=recording.frames[:, :, columns], width=len(columns))
 
 
-def seen(frames: NDArray[np.uint8], t_us: NDArray[np.int64], columns: NDArray[np.int64]) -> Scene:
+def seen(frames: NDArray[Any], t_us: NDArray[np.int64], columns: NDArray[np.int64]) -> Scene:
     """The light between frames, by whichever way of filling in tells them best; of some columns."""
+    if np.issubdtype(frames.dtype, np.integer):
+        frames = unrounded(frames)
     cubic = scene_of(frames[:, :, columns], t_us, "cubic")
     if cubic.trusted().mean() > _TRUSTED:
         return cubic

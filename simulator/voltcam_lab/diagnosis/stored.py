@@ -2,33 +2,32 @@
 
 import hashlib
 import threading
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from voltcam_simulator import Parameters
 from voltcam_simulator.kernel import CACHE_FOLDER
 
 from ..battery import Setting
-from .rig import Rig, Values
+from .rig import Events, Rig, Values
 
 _SEEDS_APART = 1 << 20  # a multiple of the versions of light, which a seed's remainder chooses
 
 Batch = Callable[[int], None]
-Done = Callable[[], None]
+Done = Callable[[int], None]
 
 
 class StoredRig(Rig):
     """A rig that keeps what it saw of each run in `folder`, and takes it from there when asked again.
 
-    batch(n): n runs begin; done(): one of them has ended. Seeds of runs are moved by `seed`.
+    batch(n): n runs begin; done(n): n of them have ended. Seeds of runs are moved by `seed`.
     """
 
     def __init__(
         self, setting: Setting, folder: Path, seed: int = 0, batch: Batch = lambda _: None,
-        done: Done = lambda: None, threads: int | None = None,
+        done: Done = lambda _: None, threads: int | None = None,
     ) -> None:  # fmt: skip
         super().__init__(setting, threads)
         self.batch, self.done = batch, done
@@ -36,29 +35,28 @@ class StoredRig(Rig):
         self._digest = _digest(setting)
         folder.mkdir(parents=True, exist_ok=True)
 
-    def events(self, parameters: Parameters, seed: int) -> NDArray[np.void]:
-        """The events of one run."""
-        return super().events(parameters, seed + _SEEDS_APART * self._seed)
+    def events(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> list[Events]:
+        """The events of each run of a batch."""
+        return super().events(parameters, [seed + _SEEDS_APART * self._seed for seed in seeds], apart)
 
-    def run(self, parameters: Parameters, seed: int) -> Values:
-        """(PARTS, n) what the battery sees of one run, comparable."""
-        key = f"{self._digest} {self._seed} {seed} {parameters.model_dump_json()}"
+    def run(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> Values:
+        """(seeds, PARTS, n) what the battery sees of a batch of runs, comparable."""
+        key = f"{self._digest} {self._seed} {list(seeds)} {apart} {parameters.model_dump_json()}"
         path = self._folder / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.npy"
         values = _read(path)
         if values is None:
-            values = super().run(parameters, seed)
+            values = super().run(parameters, seeds, apart)
             partial = path.with_suffix(f".{threading.get_ident()}.partial")
             with partial.open("wb") as file:
                 np.save(file, values)
             partial.replace(path)
-        self.done()
+        self.done(len(seeds))
         return values
 
-    def runs(self, jobs: Iterable[tuple[Parameters, int]]) -> list[Values]:
-        """Many runs, on all cores."""
-        jobs = list(jobs)
-        self.batch(len(jobs))
-        return super().runs(jobs)
+    def runs(self, many: Sequence[Parameters], seeds: Sequence[int], apart: bool = False) -> list[Values]:
+        """Of each parameter set, (seeds, PARTS, n): all runs, on all cores."""
+        self.batch(len(many) * len(seeds))
+        return super().runs(many, seeds, apart)
 
     def forget(self) -> None:
         """Remove what is on disk."""

@@ -107,6 +107,8 @@ def _spans(
         bin_of_us = np.arange(found.size) * bins // found.size
         free = np.bincount(bin_of_us[~found], minlength=bins) / width_us  # what narrower windows have left
         usable = free > 0.5
+        if not usable.any():
+            break
         new = np.zeros(bins, np.bool_)
         for group in groups:
             fresh = group & ~found[place]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from voltcam_lab.diagnosis.catalogue import Clues, catalogue
+from voltcam_lab.diagnosis.catalogue import SCALED, Asymmetry, Clues, catalogue
 from voltcam_lab.diagnosis.model import Model, within
 from voltcam_lab.diagnosis.unlisted import forms
 from voltcam_simulator import Parameters
@@ -22,10 +22,11 @@ def test_every_effect_of_the_registry_can_be_found() -> None:
 @pytest.mark.parametrize("candidate", catalogue(CLUES), ids=lambda one: f"{one.effect}-{one.names[0]}")
 def test_each_candidate_switches_its_effect_on_and_nothing_else(candidate) -> None:  # type: ignore[no-untyped-def]
     before = Parameters.of("paper")
+    with_it = {effect for effect, _ in SCALED} if isinstance(candidate, Asymmetry) else set()
     for size in candidate.sizes:
         after = candidate.on(before, size)
         changed = {e.name for e, f in zip(before.effects(), after.effects(), strict=True) if e != f}
-        assert changed == {candidate.effect}
+        assert changed == {candidate.effect} | with_it
         assert getattr(after, candidate.effect).active
 
 
@@ -36,11 +37,16 @@ def test_smaller_amounts_are_nearer_to_no_effect() -> None:
     assert of["comparator", "ratio"].scaled((4.0,), 0.5) == (2.0,)
 
 
-def test_unequal_thresholds_keep_their_product() -> None:
+def test_unequal_thresholds_keep_their_product_and_the_on_events() -> None:
     asymmetry = next(one for one in catalogue(CLUES) if one.effect == "comparator")
-    comparator = asymmetry.on(Parameters.of("paper"), (1.3,)).comparator
+    before = Parameters.of("paper")
+    after = asymmetry.on(before, (1.3,))
+    comparator = after.comparator
     assert comparator.theta_on / comparator.theta_off == pytest.approx(1.3)
     assert comparator.theta_on * comparator.theta_off == pytest.approx(1)
+    for effect, name in SCALED:
+        now, then = (getattr(getattr(one, effect), name) for one in (after, before))
+        assert now / comparator.theta_on == pytest.approx(then)
 
 
 def test_sizes_stay_inside_the_limits_of_the_registry() -> None:

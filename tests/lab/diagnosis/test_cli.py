@@ -2,6 +2,7 @@
 
 import argparse
 import json
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
@@ -35,13 +36,13 @@ def test_interrupted_and_resumed_it_gives_the_same_result(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(cli_diagnose, "identify", partial(identify, twins=FEW_TWINS))
-    simulate, simulated = Rig.run, list[tuple[int, str]]()
+    simulate, simulated = Rig.run, list[tuple[object, ...]]()
 
-    def interrupted(rig: Rig, parameters: Parameters, seed: int) -> Values:
-        simulated.append((seed, parameters.model_dump_json()))
+    def interrupted(rig: Rig, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> Values:
+        simulated.append((*seeds, apart, parameters.model_dump_json()))
         if len(simulated) == 60:
             raise KeyboardInterrupt
-        return simulate(rig, parameters, seed)
+        return simulate(rig, parameters, seeds, apart)
 
     out = tmp_path / "out"
     monkeypatch.setattr(Rig, "run", interrupted)

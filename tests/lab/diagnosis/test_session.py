@@ -12,6 +12,7 @@ from voltcam_lab.diagnosis.session import DiagnosisError, cut, sample, session_o
 from voltcam_lab.diagnosis.stored import StoredRig
 from voltcam_simulator import EVENT, Camera, Parameters
 
+SEEDS = [1, 2]
 PAPER = Camera.load("paper")
 
 
@@ -93,33 +94,36 @@ def test_runs_are_kept_and_a_broken_one_is_made_anew(
     parameters, made = Parameters.of("paper"), list[int]()
     simulate = Rig.events
 
-    def counted(rig: Rig, parameters: Parameters, seed: int) -> object:
-        made.append(seed)
-        return simulate(rig, parameters, seed)
+    def counted(rig: Rig, parameters: Parameters, seeds: list[int], apart: bool = False) -> object:
+        made.extend(seeds)
+        return simulate(rig, parameters, seeds, apart)
 
     monkeypatch.setattr(Rig, "events", counted)
-    first = session.rig.run(parameters, 1)
-    np.testing.assert_array_equal(session.rig.run(parameters, 1), first)
-    np.testing.assert_array_equal(StoredRig(session.rig.setting, tmp_path / "runs").run(parameters, 1), first)
-    assert len(made) == 1
+    first = session.rig.run(parameters, SEEDS)
+    np.testing.assert_array_equal(session.rig.run(parameters, SEEDS), first)
+    again = StoredRig(session.rig.setting, tmp_path / "runs")
+    np.testing.assert_array_equal(again.run(parameters, SEEDS), first)
+    assert len(made) == 2
     (kept,) = (tmp_path / "runs").glob("*.npy")
     kept.write_bytes(kept.read_bytes()[:100])
-    np.testing.assert_array_equal(session.rig.run(parameters, 1), first)
-    assert len(made) == 2
-    assert (StoredRig(session.rig.setting, tmp_path / "runs", seed=1).run(parameters, 1) != first).any()
-    session.rig.run(parameters.changed({"comparator": {"theta_on": 1.1}}), 1)
+    np.testing.assert_array_equal(session.rig.run(parameters, SEEDS), first)
     assert len(made) == 4
+    assert (StoredRig(session.rig.setting, tmp_path / "runs", seed=1).run(parameters, SEEDS) != first).any()
+    session.rig.run(parameters.changed({"comparator": {"theta_on": 1.1}}), SEEDS)
+    assert len(made) == 8
+    session.rig.run(parameters, SEEDS, apart=True)
+    assert len(made) == 10
     session.rig.forget()
     assert not (tmp_path / "runs").exists()
 
 
 def test_progress_tells_of_each_batch_and_run(tiny: Recording, tmp_path: Path) -> None:
     session = session_of(tiny, PAPER, tmp_path)
-    batches, ended = list[int](), list[None]()
-    session.rig.batch, session.rig.done = batches.append, lambda: ended.append(None)
+    batches, ended = list[int](), list[int]()
+    session.rig.batch, session.rig.done = batches.append, ended.append
     session.rig.means([PAPER.parameters], range(3))
     assert batches == [3]
-    assert len(ended) == 3
+    assert sum(ended) == 3
 
 
 def test_the_clock_of_the_recording_does_not_matter(tiny: Recording, tmp_path: Path) -> None:

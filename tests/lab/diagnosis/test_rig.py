@@ -1,0 +1,63 @@
+"""Runs of the model on a recording's scene."""
+
+import numpy as np
+import pytest
+
+from voltcam_lab.battery import setting_of
+from voltcam_lab.diagnosis.model import spread_of
+from voltcam_lab.diagnosis.rig import PLACED, Rig, placed
+from voltcam_lab.scene import scene_of
+from voltcam_simulator import Parameters
+
+PAPER = Parameters.of("paper")
+
+
+@pytest.fixture(scope="module")
+def rig() -> Rig:
+    t_us = np.arange(0, 1_000_001, 10_000)
+    phase = t_us[:, None, None] * 4e-6 + np.arange(16) * 0.15 + np.arange(12)[:, None] * 0.1
+    frames = (100 + 80 * np.sin(2 * np.pi * phase)).astype(np.float32)
+    frames[40:60] = frames[40]
+    return Rig(setting_of(scene_of(frames, t_us, "cubic"), t_us, parameters=PAPER))
+
+
+def test_stacked_sensors_see_what_single_ones_do(rig: Rig) -> None:
+    """Means of 24 runs each differ as those of other noise do: the mean square of 4 n deviations is off 1 by
+    less than 0.3 in all but one of a million."""
+    spread = spread_of(rig, PAPER, range(1000, 1024))
+    apart = rig.runs([PAPER], range(2000, 2024), apart=True)[0]
+    sd = np.std(spread.twins, axis=0, ddof=1)
+    seen = sd > 0.3  # of counts that are mostly 0 the spread is not known well
+    z = (apart.mean(axis=0) - spread.mean)[seen] / sd[seen] / np.sqrt(2 / 24)
+    assert (z**2).mean() == pytest.approx(1, abs=0.3)
+
+
+def test_the_same_seeds_give_the_same_noise(rig: Rig) -> None:
+    first, again = (rig.run(PAPER, [4, 5]) for _ in range(2))
+    np.testing.assert_array_equal(first, again)
+    assert (first[0] != first[1]).any()
+    unchanged, changed = rig.changes(
+        PAPER, [PAPER, PAPER.changed({"vignetting": {"corner_loss": 0.5}})], [4, 5]
+    )
+    assert not unchanged.any()
+    assert changed.any()
+
+
+@pytest.mark.parametrize("name", PLACED)
+def test_where_place_matters_sensors_are_not_stacked(name: str) -> None:
+    sizes = {
+        "aps_coupling": {"exposure_kick": 0.1},
+        "crosstalk": {"coupling": 0.1},
+        "readout": {"event_us": 10},
+        "residual_drift": {"per_us": 1e-6},
+        "usb_overflow": {"max_rate_events_per_s": 1e5},
+        "vignetting": {"corner_loss": 0.5},
+    }
+    assert not placed(PAPER)
+    assert placed(PAPER.changed({name: sizes[name]}))
+
+
+def test_images_that_stand_still_are_left_out(rig: Rig) -> None:
+    shown = [t_us for _, t_us in rig._lights]  # noqa: SLF001 - what is run costs time, and is not seen otherwise
+    assert {400_000, 590_000} <= set(shown)
+    assert not {t for t in shown if 420_000 <= t <= 580_000}
