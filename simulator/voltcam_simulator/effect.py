@@ -110,7 +110,7 @@ class Band:
 
 @dataclass
 class Readout:
-    """An interval as the event stages see it."""
+    """An interval as the event stages see it: earlier, behind one that stamps events earlier."""
 
     sensor: Sensor
     start_us: int
@@ -161,6 +161,11 @@ class Effect(BaseModel):
     def longest_step_us(self) -> float:
         """The longest step over which it may be taken as a straight line; inf: any."""
         return np.inf
+
+    @property
+    def earliest_us(self) -> int:
+        """How much earlier than an interval it may stamp its events: they wait as long, if it is above 0."""
+        return 0
 
     def state(self, sensor: Sensor) -> State:
         """Arrays it keeps between calls; float32 ones of (height * width,) are handed out band by band."""

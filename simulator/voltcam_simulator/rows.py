@@ -2,11 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .effect import Band, Plane
+from .kernel import kernel
 
 Keys = NDArray[np.uint64]
 Image = NDArray[np.uint8] | Plane
@@ -82,12 +84,29 @@ def kick_arrays(band: Band) -> tuple[NDArray[np.float64], NDArray[np.float64], P
     if not band.kicks:
         return NO_KICKS, NO_KICKS, NO_SLACK
     times = np.stack([times for times, _ in band.kicks])
-    sizes = np.repeat([[size] for _, size in band.kicks], times.shape[1], axis=1)
-    elsewhere = (times <= 0) | (times > band.span_us)
-    times[elsewhere], sizes[elsewhere] = np.inf, 0
-    order = np.argsort(times, axis=0, kind="stable")
-    times, sizes = np.take_along_axis(times, order, axis=0), np.take_along_axis(sizes, order, axis=0)
-    before = np.cumsum(sizes, axis=0)
-    after = before[-1] - before
-    slack = np.maximum(np.abs(before).max(axis=0), np.abs(after).max(axis=0))
-    return times, sizes, slack.astype(np.float32)
+    sizes, slack = np.empty_like(times), np.empty(times.shape[1], np.float32)
+    _in_order(np.array([size for _, size in band.kicks], np.float64), band.span_us, times, sizes, slack)
+    return times, sizes, slack
+
+
+@kernel
+def _in_order(size: Any, span: Any, times: Any, sizes: Any, slack: Any) -> None:
+    """Sort `times` (kicks, rows) and lay out `sizes` beside them; size: (kicks,)."""
+    kicks, rows = times.shape
+    for row in range(rows):
+        total = 0.0
+        for k in range(kicks):
+            at, of = times[k, row], size[k]
+            if not (0 < at <= span):
+                at, of = np.inf, 0.0
+            total += of
+            place = k
+            while place > 0 and times[place - 1, row] > at:
+                times[place, row], sizes[place, row] = times[place - 1, row], sizes[place - 1, row]
+                place -= 1
+            times[place, row], sizes[place, row] = at, of
+        before = furthest = 0.0
+        for k in range(kicks):
+            before += sizes[k, row]
+            furthest = max(furthest, abs(before), abs(total - before))
+        slack[row] = furthest

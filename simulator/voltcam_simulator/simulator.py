@@ -1,6 +1,7 @@
 """The simulator: frames one by one in, time-sorted events out, every pixel's voltage kept between them."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -45,6 +46,7 @@ class Simulator:
         self._frame: Image | None = None
         self._t_us = 0
         self._intervals = 0
+        self._complete_us: int | None = None  # up to when all events have been given out, once there are any
         self._waiting: dict[str, Events] = {}  # by effect: events it has given out that are not due yet
         self.parameters = parameters if parameters is not None else Parameters()
 
@@ -109,6 +111,7 @@ class Simulator:
             self._pixels.start(t_us)
         self._pixels.forget_events()
         self._waiting.clear()
+        self._complete_us = None
         self._frame, self._t_us = image, t_us
 
     def _steps(self, before: Image, after: Image, span_us: int) -> None:
@@ -142,8 +145,17 @@ class Simulator:
         for effect in self._reports:
             if effect.active:
                 events = effect.report(events, readout)
-            events = self._due(effect.name, events, end_us)  # also of one just switched off
+                if effect.earliest_us > 0:
+                    readout = self._earlier(readout, effect.earliest_us)
+                    np.maximum(events["t"], readout.start_us, out=events["t"])  # it may just have begun to
+            events = self._due(effect.name, events, readout.end_us)  # also of one just switched off
+        self._complete_us = readout.end_us
         return events
+
+    def _earlier(self, readout: Readout, by_us: int) -> Readout:
+        """The interval whose events are complete when those to come may be stamped so much earlier."""
+        start_us = readout.start_us if self._complete_us is None else self._complete_us
+        return replace(readout, start_us=start_us, end_us=max(start_us, readout.end_us - by_us))
 
     def _due(self, stage: str, events: Events, end_us: int) -> Events:
         """What an effect has given out, now and before, that is due by end_us; the rest waits."""

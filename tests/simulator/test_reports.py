@@ -36,10 +36,11 @@ def test_what_leaves_is_in_order_in_time_and_on_the_sensor(data: st.DataObject) 
     twins = [Simulator(width, height, busy, seed=1) for _ in range(2)]
     rng = np.random.default_rng(0)
     t_us, last_us = 0, -(2**62)
-    quantum_us = 1
+    quantum_us, earliest_us = 1, 0
     for _ in range(data.draw(st.integers(2, 6))):
         parameters = busy.changed(data.draw(CHANGES))
         quantum_us = max(quantum_us, parameters.timestamp_quantum.quantum_us)
+        earliest_us = max(earliest_us, parameters.latency.earliest_us)
         for simulator in twins:
             simulator.parameters = parameters
         if data.draw(st.integers(0, 9)) == 0:
@@ -56,7 +57,7 @@ def test_what_leaves_is_in_order_in_time_and_on_the_sensor(data: st.DataObject) 
         if len(events) == 0:
             continue
         assert (np.diff(events["t"]) >= 0).all()
-        assert events["t"][0] > start_us - quantum_us
+        assert events["t"][0] > start_us - earliest_us - quantum_us
         assert events["t"][0] >= last_us // quantum_us * quantum_us
         assert events["t"][-1] <= t_us
         assert events["x"].max() < width

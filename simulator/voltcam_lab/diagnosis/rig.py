@@ -19,6 +19,7 @@ Events = NDArray[np.void]
 Image = tuple[NDArray[np.float32], int]
 
 LEAD_IN_US = 300_000  # for which a camera has been there before it records: light that flickers, warm queues
+LEAD_OUT_US = 100_000  # for which it goes on, for events that are late
 PLACED = ("aps_coupling", "crosstalk", "readout", "residual_drift", "usb_overflow", "vignetting")
 """Effects to which it matters where a pixel is or what others do: they do not act on stacked sensors."""
 
@@ -88,6 +89,8 @@ class Rig:
         first_image, begin_us = self._lights[0]
         simulator.advance(first_image[rows], begin_us - LEAD_IN_US)
         found = [simulator.advance(image[rows], t_us) for image, t_us in self._lights]
+        last_image, end_us = self._lights[-1]
+        found.append(simulator.advance(last_image[rows], end_us + LEAD_OUT_US))
         as_bytes = np.concatenate([events.view(np.uint8) for events in found])  # numpy joins records slowly
         return as_bytes.view(EVENT)
 

@@ -17,9 +17,11 @@ COARSE, TWINS, SIGNATURE, FITTING = range(500, 508), range(1000, 1028), range(2)
 light."""
 ALPHA = 0.01  # chance of a name where nothing is missing, over the whole catalogue
 TRIED = 3  # effects that are fitted by simulation
+WORTH_TRYING = 0.25  # of the largest gain in the score test
 LEAST_GAIN = 30.0  # of training loss: less could be the light between frames
 LEFT_BEHIND = 0.04  # of the training loss explained so far: what an effect may leave that has another form
 LARGE = 1.0  # a gap, about four times what chance leaves
+FAR = 2.0  # the same, from which the score test alone says little
 AS_GOOD = 15.0  # of training loss: rivals that are no worse are not told apart
 
 
@@ -77,6 +79,8 @@ def step_of(
     )  # fmt: skip
     worth = p_value <= ALPHA and gains.max() > least / 2
     chosen = _best(screen, gains, TRIED) if worth else []
+    if worth and training > FAR:
+        chosen += [index for index in _nearest(rig, screen, data) if index not in chosen]
     trials = [_trial(rig, screen, data, index, float(gains[index])) for index in chosen]
     z = [(twin - spread.mean) / spread.v for twin in spread.twins]
     floor_training, floor_held_out = (
@@ -98,9 +102,20 @@ def _best(screen: Screen, gains: NDArray[np.float64], tried: int) -> list[int]:
     chosen: dict[tuple[str, tuple[str, ...]], int] = {}
     for index in np.argsort(-gains):
         one = screen.signatures[index].candidate
-        if gains[index] > 0:
+        if gains[index] > WORTH_TRYING * gains.max():
             chosen.setdefault((one.effect, one.names), int(index))
     return list(chosen.values())[:tried]
+
+
+def _nearest(rig: Rig, screen: Screen, data: Values) -> list[int]:
+    """The signatures of the effects that leave least of the gap when they are added to the camera file, base
+    parameters as they are there: with a strong effect missing, the fitted ones mean nothing."""
+    start = _from_file(screen.model)
+    means = rig.means(
+        [one.candidate.on(start.parameters(), one.size) for one in screen.signatures], SIGNATURE
+    )
+    left = np.array([gap(flat((data - mean) / screen.spread.v)) for mean in means])
+    return _best(screen, left.max() - left, 2)
 
 
 def _trial(rig: Rig, screen: Screen, data: Values, index: int, gain: float) -> Trial:
@@ -116,11 +131,16 @@ def _trial(rig: Rig, screen: Screen, data: Values, index: int, gain: float) -> T
     base = np.array(model.shift) + np.clip(amounts[:-1], -0.5, 0.5)
     starts = [replace(model, shift=tuple(base.tolist())).with_effect(one.candidate, size)]
     if gap(z) > LARGE:
-        at_first = replace(model, shift=(0.0,) * len(BASE) + model.shift[len(BASE) :])
-        starts += [at_first.with_effect(one.candidate, each) for each in (size, *one.candidate.sizes)]
+        sizes = [one.candidate.scaled(each, more) for each in one.candidate.sizes for more in (1, 2.5)]
+        starts += [_from_file(model).with_effect(one.candidate, each) for each in (size, *sizes)]
     means = rig.means([start.parameters() for start in starts], FITTING)
     nearest = int(np.argmin([gap(flat((data - mean) / v)) for mean in means]))
     return _judged(rig, screen, data, one.candidate, starts[nearest], gain)
+
+
+def _from_file(model: Model) -> Model:
+    """The model with base parameters as in the camera file."""
+    return replace(model, shift=(0.0,) * len(BASE) + model.shift[len(BASE) :])
 
 
 def _judged(

@@ -1,5 +1,6 @@
 """Events leave the pixel some time after the voltage has reached the threshold."""
 
+import math
 from typing import Any, ClassVar
 
 import numpy as np
@@ -9,15 +10,21 @@ from ..event_order import in_time_order
 from ..kernel import kernel
 from ..random import normal
 
+WIDEST = 4.0  # standard deviations
+
 
 class Latency(Effect):
-    """t + max(0, delay + jitter N(0, 1)), the pixel's own events in their order."""
+    """t + delay + jitter N(0, 1), the normal number cut at 4, the pixel's own events in their order.
+
+    Stamps may so be earlier than the light: the jitter of a clock is, and a negative delay is that of a
+    camera whose events' clock runs ahead of its frames'. Events wait until no earlier one can come.
+    """
 
     signature: ClassVar[str] = "the lag behind the light shifts and spreads, the same at any brightness"
     steady: ClassVar[bool] = True
 
     delay_us: float = quantity(
-        0.0, unit="us", ge=0, le=1_000_000, meaning="mean delay",
+        0.0, unit="us", ge=-100_000, le=1_000_000, meaning="mean delay",
         source="100 us (IEBCS, Joubert et al. 2021); DAVIS346 at least 20 us (data sheet)",
     )  # fmt: skip
     jitter_us: float = quantity(
@@ -27,7 +34,11 @@ class Latency(Effect):
 
     @property
     def active(self) -> bool:
-        return self.delay_us > 0 or self.jitter_us > 0
+        return self.delay_us != 0 or self.jitter_us > 0
+
+    @property
+    def earliest_us(self) -> int:
+        return math.ceil(WIDEST * self.jitter_us - self.delay_us)
 
     def state(self, sensor: Sensor) -> State:
         return {"left_us": np.full(sensor.width * sensor.height, np.iinfo(np.int64).min, np.int64)}
@@ -44,7 +55,8 @@ def delay(events: Any, mean: Any, jitter: Any, state: Any, width: Any, left: Any
     """Delay the events, in place; left (pixels,) int64 [us]: when the last event of each pixel has left."""
     for i in range(events.shape[0]):
         state, gauss = normal(state)
-        leaves = events[i].t + np.int64(max(mean + jitter * gauss, 0.0) + 0.5)
+        late = mean + jitter * max(-WIDEST, min(gauss, WIDEST))
+        leaves = events[i].t + np.int64(math.floor(late + 0.5))
         pixel = np.int64(events[i].y) * width + np.int64(events[i].x)
         leaves = max(leaves, left[pixel])
         left[pixel] = leaves

@@ -58,6 +58,6 @@ def test_where_place_matters_sensors_are_not_stacked(name: str) -> None:
 
 
 def test_images_that_stand_still_are_left_out(rig: Rig) -> None:
-    shown = [t_us for _, t_us in rig._lights]  # noqa: SLF001 - what is run costs time, and is not seen otherwise
+    shown = [t_us for _, t_us in rig._lights]
     assert {400_000, 590_000} <= set(shown)
     assert not {t for t in shown if 420_000 <= t <= 580_000}

@@ -38,29 +38,58 @@ def starts(events: Events) -> np.ndarray:
     return np.flatnonzero(np.r_[True, np.diff(pixel) != 0])
 
 
-def flicker(parameters: Parameters, rest_us: int) -> Events:
+def flicker(parameters: Parameters, rest_us: int, earliest_us: float = 0) -> Events:
     """Forty frames of 1 ms between dark and bright, and a long still one."""
     simulator = Simulator(SIDE, SIDE, parameters, seed=4)
     frames = [still(20 if i % 2 else 220, SIDE, SIDE) for i in range(40)]
     parts = [simulator.advance(f, 1000 * i) for i, f in enumerate(frames)]
     parts.append(simulator.advance(frames[-1], 39_000 + rest_us))
     for start, part in zip(range(-1000, 39_000, 1000), parts, strict=False):
-        assert (part["t"] >= start).all()
+        assert (part["t"] >= start - earliest_us).all()
         assert (part["t"] <= start + 1000).all()
     return np.concatenate(parts)
 
 
-@pytest.mark.parametrize(("delay_us", "jitter_us"), [(100, 30), (0, 400), (5500, 0), (5500, 3000)])
+@pytest.mark.parametrize(
+    ("delay_us", "jitter_us"),
+    [(100, 20), (100, 30), (0, 400), (5500, 0), (5500, 3000), (-2500, 0), (-800, 600)],
+)
 def test_nothing_is_lost_or_reordered_in_a_pixel(delay_us: float, jitter_us: float) -> None:
     base = only(contrast_response={"k1": 4})
     late = base.changed({"latency": {"delay_us": delay_us, "jitter_us": jitter_us}})
-    before, after = flicker(base, 100_000), flicker(late, 100_000)
+    earliest_us = max(4 * jitter_us - delay_us, 0)
+    before, after = flicker(base, 100_000), flicker(late, 100_000, earliest_us)
     assert (np.diff(after["t"]) >= 0).all()
     before, after = by_pixel(before), by_pixel(after)
     assert len(before) > 10_000
     for name in ("x", "y", "p"):
         assert (before[name] == after[name]).all()
-    assert (after["t"] >= before["t"]).all()  # causal
+    assert (after["t"] >= before["t"] - earliest_us).all()
+    assert (after["t"] > before["t"] - earliest_us / 2).any()
+
+
+def test_jitter_is_as_wide_to_both_sides() -> None:
+    leak = only(junction_leak={"k4_per_us": 1e-5})
+    for delay_us in (0, -3000):
+        late = leak.changed({"latency": {"delay_us": delay_us, "jitter_us": 2000}})
+        before, after = (
+            by_pixel(watch_still(Simulator(SIDE, SIDE, p, seed=2), 0, 1.1, 100)) for p in (leak, late)
+        )
+        first = [starts(events) + 3 for events in (before, after)]  # of each pixel: 0.1 s apart
+        delays = after["t"][first[1]] - before["t"][first[0]]
+        assert delays.mean() == pytest.approx(delay_us, abs=5 * 2000 / SIDE)
+        assert stats.kstest(delays, stats.norm(delay_us, 2000).cdf).pvalue > 1e-4
+
+
+def test_the_stream_stays_in_order_when_jitter_begins_and_ends() -> None:
+    base = only(contrast_response={"k1": 4}, readout={"event_us": 0.1})
+    simulator, stream = Simulator(SIDE, SIDE, base, seed=4), []
+    for i, jitter_us in enumerate([0, 0, 300, 300, 2000, 2000, 300, 0, 0, 0, 0]):
+        simulator.parameters = base.changed({"latency": {"jitter_us": jitter_us}})
+        stream.append(simulator.advance(still(20 if i % 2 else 220, SIDE, SIDE), 1000 * i))
+    events = np.concatenate(stream)
+    assert (np.diff(events["t"]) >= 0).all()
+    assert len(events) > 20_000
 
 
 def test_what_waits_still_comes_after_it_is_switched_off_but_not_after_a_jump() -> None:
