@@ -102,7 +102,7 @@ def identify(
     rig: Rig, model: Model, candidates: Sequence[Candidate], twins: Sequence[int] = TWINS
 ) -> Identifiability:
     """Of a rig's scene, with twins of the model only."""
-    spread = spread_of(rig, model.parameters(), twins)
+    spread = spread_of(rig, model, twins)
     screen = screen_of(rig, model, spread, candidates, SIGNATURE)
     return Identifiability(known(screen), detectable(screen))
 

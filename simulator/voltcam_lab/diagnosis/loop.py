@@ -7,9 +7,11 @@ from typing import Literal
 import numpy as np
 
 from .catalogue import Candidate
-from .model import BASE, Model
+from .model import BASE, Model, flat
+from .refit import refitted
 from .rig import Rig, Values
-from .search import ALPHA, AS_GOOD, Step, Trial, base_fitted, step_of
+from .robust import gap
+from .search import ALPHA, AS_GOOD, FITTING, Step, Trial, base_fitted, step_of
 from .unlisted import Residual, residual_of, residual_step
 
 Verdict = Literal["effects", "none", "unknown"]
@@ -67,12 +69,37 @@ def diagnose(
             found.append(one)
             steps.append(after)
         step = steps[-1]
+    if len(found) > 1:
+        _drop_needless(rig, data, candidates, found, steps, report)
+        step = steps[-1]
     kept, model = _needed(found, step.model), step.model
     verdict: Verdict = "effects" if kept else "unknown" if _excess(step) > OPEN else "none"
     residual = _residual(rig, data, step, report) if _excess(step) > OPEN else None
     if residual is not None:
         model = residual.model
     return Diagnosis(verdict, tuple(kept), model, tuple(steps), residual)
+
+
+def _drop_needless(
+    rig: Rig,
+    data: Values,
+    candidates: Sequence[Candidate],
+    found: list[Found],
+    steps: list[Step],
+    report: Report,
+) -> None:
+    """Take out effects without which the others explain the gap as well; one found first, for want of what
+    was found later, may be such. Each time there is one step more."""
+    for one in [*found]:
+        step, index = steps[-1], found.index(one)
+        report(f"Is {one.effect} needed, now that there is more?")
+        v = step.screen.spread.v
+        model, mean = refitted(rig, step.model.without(index), data, v, FITTING, rounds=2)
+        z = flat((data - mean) / v)
+        if len(found) > 1 and z.size * (gap(z) - step.training) < step.least:
+            found.remove(one)
+            steps.append(step_of(rig, model, data, _left(candidates, model), steps[0]))
+            report(_sentence(steps[-1]))
 
 
 def _residual(rig: Rig, data: Values, step: Step, report: Report) -> Residual | None:

@@ -12,7 +12,6 @@ from ..battery import FLOORS
 from .catalogue import Candidate
 from .lights import LIGHTS
 from .rig import Rig, Values
-from .robust import fitted, gap
 
 BASE = (
     ("contrast_response", "k1"),
@@ -26,6 +25,8 @@ BASE_SD = 0.5  # of the logarithm of a base parameter about what the camera file
 SIZE_SD = 1.5  # of an effect's size about the one it was found with
 STEP = 0.15  # of a logarithm, for derivatives by runs with common noise
 FLOOR_SHARE = 0.003  # of a statistic: the rig is not better than that
+BASE_SHARE = 0.01  # of a base parameter: intervals at rest tell of leaks to a thousandth and drown all else
+SLOPES = range(2)  # seeds of the runs that derivatives are taken of
 TRAINING, HELD_OUT = (0, 1, 2), (3,)
 
 
@@ -94,12 +95,18 @@ def within(candidate: Candidate, size: tuple[float, ...]) -> tuple[float, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """Of the twins of a model: mean and the v of each statistic, both (PARTS, n), and the twins
-    themselves."""
+    """Of the twins of a model: mean and the v of each statistic, both (PARTS, n), the twins themselves, and
+    (PARTS, n, k) slopes of the mean with respect to the model's `shift`."""
 
     mean: Values
     v: Values
     twins: list[Values]
+    slopes: NDArray[np.float64]
+
+    @property
+    def columns(self) -> NDArray[np.float64]:
+        """The slopes in units of v."""
+        return self.slopes / self.v[..., None]
 
     def against_others(self, n: int) -> Values:
         """Deviation of a twin from those that saw other versions of the light, in units of v."""
@@ -107,49 +114,23 @@ class Spread:
         return np.asarray((self.twins[n] - np.mean(others, axis=0)) / self.v)
 
 
-def spread_of(rig: Rig, parameters: Parameters, seeds: Sequence[int]) -> Spread:
+def spread_of(rig: Rig, model: Model, seeds: Sequence[int]) -> Spread:
     """Twins of a model: one for each seed."""
-    twins = list(rig.runs([parameters], seeds)[0])
+    twins = list(rig.runs([model.parameters()], seeds)[0])
     mean, sd = np.mean(twins, axis=0), np.std(twins, axis=0, ddof=1)
-    v = np.sqrt(np.maximum(sd, FLOORS) ** 2 * (1 + 1 / len(seeds)) + (FLOOR_SHARE * mean) ** 2)
-    return Spread(mean, v, twins)
+    sloping = slopes(rig, model)
+    of_base = BASE_SHARE**2 * (sloping[..., : len(BASE)] ** 2).sum(axis=-1)
+    chance = np.maximum(sd, FLOORS) ** 2 * (1 + 1 / len(seeds))
+    return Spread(mean, np.sqrt(chance + (FLOOR_SHARE * mean) ** 2 + of_base), twins, sloping)
 
 
-def slopes(rig: Rig, model: Model, seeds: Sequence[int], v: Values) -> NDArray[np.float64]:
-    """(PARTS, n, k): derivatives of what the battery sees with respect to the model's `shift`, in units of
-    v."""
+def slopes(rig: Rig, model: Model) -> NDArray[np.float64]:
+    """(PARTS, n, k): derivatives of what the battery sees with respect to the model's `shift`."""
     k = len(model.shift)
     there = [model.parameters((model.shift + row).tolist()) for row in STEP * np.eye(k)]
-    return np.stack([one / STEP / v for one in rig.changes(model.parameters(), there, seeds)], axis=-1)
+    return np.stack([one / STEP for one in rig.changes(model.parameters(), there, SLOPES)], axis=-1)
 
 
 def flat(values: NDArray[np.float64], parts: Sequence[int] = TRAINING) -> NDArray[np.float64]:
     """(PARTS, n, ...) as (parts n, ...)."""
     return values[list(parts)].reshape(-1, *values.shape[2:])
-
-
-def refitted(
-    rig: Rig, model: Model, data: Values, v: Values, seeds: Sequence[int], rounds: int = 1
-) -> tuple[Model, Values]:
-    """The model moved to where it is nearest to the data in the training parts, and what the battery sees of
-    it on average. Gauss and Newton's method with common noise; slopes are taken anew in each round."""
-    mean = rig.means([model.parameters()], seeds)[0]
-    best = gap(flat((data - mean) / v))
-    for _ in range(rounds):
-        columns, at_first = flat(slopes(rig, model, seeds[:2], v)), best
-        for _ in range(3):
-            move = np.clip(fitted(flat((data - mean) / v), columns, model.prior_sd).x, -0.8, 0.8)
-            for length in (1.0, 0.4, 0.1):
-                moved = replace(model, shift=tuple((np.array(model.shift) + length * move).tolist()))
-                moved_mean = rig.means([moved.parameters()], seeds)[0]
-                left = gap(flat((data - moved_mean) / v))
-                if left < best:
-                    break
-            else:
-                break
-            gained, model, mean, best = best - left, moved, moved_mean, left
-            if gained < 0.005:
-                break
-        if at_first - best < 0.01:
-            break
-    return model, mean

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.stats import gumbel_r
 
 from .catalogue import Candidate
-from .model import Model, Spread, flat, slopes
+from .model import Model, Spread, flat
 from .rig import Rig
 from .robust import Fitted, fitted
 
@@ -69,6 +69,6 @@ def screen_of(
         Signature(candidate, size, change / spread.v)
         for (candidate, size), change in zip(plan, changes, strict=True)
     )
-    screen = Screen(model, spread, slopes(rig, model, seeds, spread.v), signatures, np.empty(0))
+    screen = Screen(model, spread, spread.columns, signatures, np.empty(0))
     null = [screen.gains(flat(spread.against_others(n))).max() for n in range(len(spread.twins))]
     return replace(screen, null=np.array(null))

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .catalogue import Candidate
-from .model import BASE, HELD_OUT, TRAINING, Model, flat, refitted, spread_of
+from .model import BASE, HELD_OUT, TRAINING, Model, flat, spread_of
+from .refit import refitted
 from .rig import Rig, Values
 from .robust import gap
 from .screen import Screen, screen_of
@@ -57,7 +58,7 @@ class Step:
 def base_fitted(rig: Rig, model: Model, data: Values) -> Model:
     """The model with its own parameters fitted, first roughly: what v is depends on where."""
     for rounds in (1, 3):
-        v = spread_of(rig, model.parameters(), COARSE).v
+        v = spread_of(rig, model, COARSE).v
         model = refitted(rig, model, data, v, FITTING, rounds)[0]
     return model
 
@@ -66,7 +67,7 @@ def step_of(
     rig: Rig, model: Model, data: Values, candidates: Sequence[Candidate], first: Step | None = None
 ) -> Step:
     """Look at the gap of a fitted model; first: the step before there was any effect in it."""
-    spread = spread_of(rig, model.parameters(), TWINS)
+    spread = spread_of(rig, model, TWINS)
     screen = screen_of(rig, model, spread, candidates, SIGNATURE)
     deviation = (data - spread.mean) / spread.v
     own = screen.own(flat(deviation))

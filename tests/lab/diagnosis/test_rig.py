@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from voltcam_lab.battery import setting_of
-from voltcam_lab.diagnosis.model import spread_of
+from voltcam_lab.diagnosis.model import Model, spread_of
 from voltcam_lab.diagnosis.rig import PLACED, Rig, placed
 from voltcam_lab.scene import scene_of
 from voltcam_simulator import Parameters
@@ -24,7 +24,7 @@ def rig() -> Rig:
 def test_stacked_sensors_see_what_single_ones_do(rig: Rig) -> None:
     """Means of 24 runs each differ as those of other noise do: the mean square of 4 n deviations is off 1 by
     less than 0.3 in all but one of a million."""
-    spread = spread_of(rig, PAPER, range(1000, 1024))
+    spread = spread_of(rig, Model(PAPER), range(1000, 1024))
     apart = rig.runs([PAPER], range(2000, 2024), apart=True)[0]
     sd = np.std(spread.twins, axis=0, ddof=1)
     seen = sd > 0.3  # of counts that are mostly 0 the spread is not known well

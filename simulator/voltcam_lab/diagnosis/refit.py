@@ -1,0 +1,89 @@
+"""A model fitted to what the battery saw, by simulation with common noise."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .model import BASE, Model, flat, slopes
+from .rig import Rig, Values
+from .robust import fitted, gap
+
+FURTHEST = 0.8  # of a logarithm, in one step
+LENGTHS = (1.0, 0.4, 0.1)  # of a step, until one of them leads down
+SIZES = (0.5, -0.5)  # of a logarithm: an effect's size is tried that much larger and smaller
+LITTLE = 0.005  # of the gap: less is not worth another step
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """A model, what the battery sees of it on average, and the gap that it leaves in the training parts."""
+
+    model: Model
+    mean: Values
+    gap: float
+
+
+def refitted(
+    rig: Rig, model: Model, data: Values, v: Values, seeds: Sequence[int], rounds: int = 1
+) -> tuple[Model, Values]:
+    """The model moved to where it is nearest to the data in the training parts, and what the battery sees of
+    it on average.
+
+    Gauss and Newton's method; slopes are taken anew in each round. It stops early in the curved valleys in
+    which base parameters stand in for an effect: so the effect's size is moved too, the base following.
+    """
+    fit = _Fit(rig, data, v, seeds)
+    best = fit.place(model)
+    for _ in range(rounds):
+        at_first, columns = best.gap, flat(slopes(rig, best.model) / v[..., None])
+        best = fit.sized(fit.descended(best, columns), columns)
+        if at_first - best.gap < 2 * LITTLE:
+            break
+    return best.model, best.mean
+
+
+@dataclass(frozen=True, eq=False)
+class _Fit:
+    rig: Rig
+    data: Values
+    v: Values
+    seeds: Sequence[int]
+
+    def place(self, model: Model, move: NDArray[np.float64] | float = 0.0) -> Place:
+        moved = replace(model, shift=tuple((np.array(model.shift) + move).tolist()))
+        mean = self.rig.means([moved.parameters()], self.seeds)[0]
+        return Place(moved, mean, gap(self.z(mean)))
+
+    def z(self, mean: Values) -> NDArray[np.float64]:
+        return flat((self.data - mean) / self.v)
+
+    def descended(self, best: Place, columns: NDArray[np.float64]) -> Place:
+        """By steps to where straight lines have the least loss."""
+        for _ in range(3):
+            move = fitted(self.z(best.mean), columns, best.model.prior_sd).x
+            move = np.clip(move, -FURTHEST, FURTHEST)
+            tries = (self.place(best.model, length * move) for length in LENGTHS)
+            lower = next((one for one in tries if one.gap < best.gap), None)
+            if lower is None:
+                return best
+            gained, best = best.gap - lower.gap, lower
+            if gained < LITTLE:
+                return best
+        return best
+
+    def sized(self, best: Place, columns: NDArray[np.float64]) -> Place:
+        """By other sizes of each effect, the base parameters where straight lines have them then."""
+        base = len(BASE)
+        for k in range(base, columns.shape[1]):
+            for step in SIZES:
+                move = np.zeros(columns.shape[1])
+                z = self.z(best.mean) - columns[:, k] * step
+                follow = fitted(z, columns[:, :base], best.model.prior_sd[:base]).x
+                move[:base], move[k] = np.clip(follow, -FURTHEST, FURTHEST), step
+                other = self.place(best.model, move)
+                if other.gap < best.gap - LITTLE:
+                    best = other
+                    break
+        return best
