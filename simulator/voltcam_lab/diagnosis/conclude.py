@@ -27,8 +27,9 @@ from .result import (
     Stratum,
     Versions,
 )
-from .search import ALPHA, FITTING, SIGNATURE, TWINS, Step
+from .search import ALPHA, SIGNATURE, TWINS, Step
 from .session import Session
+from .trial import FITTING
 from .where import Ranked, View, ranked, views
 
 MOST_STRATA = 50

@@ -14,7 +14,8 @@ from .catalogue import RATIOS, WEAKER, Candidate
 from .model import BASE, Model, flat, spread_of
 from .rig import Rig
 from .screen import Screen, Signature, screen_of
-from .search import ALPHA, FITTING, LEAST_GAIN, SIGNATURE, TWINS
+from .search import ALPHA, LEAST_GAIN, SIGNATURE, TWINS
+from .trial import FITTING
 
 MIXED = 0.6  # correlation from which two parameters are said to be mixed up
 _FIXED, _PARTLY = 0.9, 0.5  # share of the prior's variance that is gone

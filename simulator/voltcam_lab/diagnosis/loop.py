@@ -11,14 +11,15 @@ from .model import BASE, Model, flat
 from .refit import refitted
 from .rig import Rig, Values
 from .robust import gap
-from .search import ALPHA, AS_GOOD, FITTING, Step, Trial, base_fitted, step_of
+from .search import ALPHA, AS_GOOD, Step, base_fitted, step_of
+from .trial import FITTING, Trial
 from .unlisted import Residual, residual_of, residual_step
 
 Verdict = Literal["effects", "none", "unknown"]
 Report = Callable[[str], None]
 
 TOLERANCE = 0.25  # of the gap over its floor: what an explanation may leave
-OPEN = 0.5  # of the gap over its floor: what frames may leave open without anything missing
+OPEN = 0.25  # of the gap over its floor: what frames may leave open without anything missing
 SHARE = 0.8  # of the gap over its floor: an effect that removes so much is named though not all is explained
 HELD_OUT_SHARE = 0.3  # of the training gain, by statistic, that held-out data must confirm
 DEEPEST = 4  # effects
@@ -146,15 +147,15 @@ def _promising(step: Step) -> list[Trial]:
         return []
     stand = []
     for trial in step.trials:
-        gained, confirmed = step.training - trial.training, step.held_out - trial.held_out
-        if 3 * n * gained > step.least and confirmed > HELD_OUT_SHARE * gained:
+        enough = 3 * n * trial.gained > step.least
+        if enough and trial.confirmed > HELD_OUT_SHARE * trial.gained:
             stand.append(trial)
     return stand
 
 
 def _rivals(step: Step, best: Trial) -> tuple[str, ...]:
     n = 3 * step.screen.spread.mean.shape[1]
-    close = [t.candidate.effect for t in _promising(step) if n * (t.training - best.training) < AS_GOOD]
+    close = [t.candidate.effect for t in _promising(step) if n * (best.gained - t.gained) < AS_GOOD]
     return tuple(dict.fromkeys(effect for effect in close if effect != best.candidate.effect))
 
 

@@ -96,8 +96,7 @@ def _effects(effects: Sequence[Effect]) -> Markup:
 def _tested(step: Step) -> Markup:
     """What else was fitted, last, and why it was not taken."""
     rows = [
-        [trial.candidate.effect, ", ".join(trial.candidate.names), step.training - trial.training,
-         step.held_out - trial.held_out]
+        [trial.candidate.effect, ", ".join(trial.candidate.names), trial.gained, trial.confirmed]
         for trial in step.trials
     ]  # fmt: skip
     return table(["effect", "parameters", "less gap in training", "less gap held out"], rows)

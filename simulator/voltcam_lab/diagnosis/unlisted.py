@@ -7,7 +7,8 @@ from voltcam_simulator import Parameters
 from .catalogue import Candidate
 from .model import Model
 from .rig import Rig, Values
-from .search import AS_GOOD, Step, Trial, step_of
+from .search import AS_GOOD, Step, step_of
+from .trial import Trial
 
 POWERS = (-2.0, -1.0, -0.5, 0.0, 0.5, 1.0)
 STEEP = 2.0  # growth over the image, relative

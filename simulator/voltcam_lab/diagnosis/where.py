@@ -11,7 +11,8 @@ from .loop import Diagnosis
 from .model import FLOOR_SHARE, HELD_OUT, Model, Spread, flat
 from .rig import Rig, Values
 from .robust import gap
-from .search import FITTING, Step
+from .search import Step
+from .trial import FITTING
 
 Vector = NDArray[np.float64]
 _90 = 1.645

@@ -33,15 +33,14 @@ def test_the_hidden_effect_is_far_above_the_smallest_size_that_shows(done: Done)
 
 def test_the_gain_at_the_smallest_size_is_what_chance_reaches(done: Done) -> None:
     screen = done.diagnosis.steps[0].screen
-    sizes = {one.effect: one.size for one in detectable(screen)}
-    for one in screen.signatures:
-        size = sizes[one.candidate.effect]
-        if one.candidate.effect == "hot_pixels" and size is not None:
-            z = size / one.size[0] * flat(one.column)
-            gain = screen.with_effect(z, one).gain - screen.own(z).gain
-            assert gain >= 30  # loop.LEAST_GAIN; chance may ask for more
-            half = 0.8 * z
-            assert screen.with_effect(half, one).gain - screen.own(half).gain < gain
+    size = next(one.size for one in detectable(screen) if one.effect == "dead_pixels")
+    one = next(one for one in screen.signatures if one.candidate.effect == "dead_pixels")
+    assert size is not None
+    z = size / one.size[0] * flat(one.column)
+    gain = screen.with_effect(z, one).gain - screen.own(z).gain
+    assert gain >= 30  # search.LEAST_GAIN; chance may ask for more
+    less = 0.8 * z
+    assert screen.with_effect(less, one).gain - screen.own(less).gain < gain
 
 
 def test_the_covariance_is_one(done: Done) -> None:

@@ -1,0 +1,56 @@
+"""The search, on a rig whose answers are formulas."""
+
+import numpy as np
+import pytest
+
+from voltcam_lab.diagnosis.loop import Diagnosis, diagnose
+from voltcam_lab.diagnosis.model import Model
+from voltcam_lab.diagnosis.rig import Values
+
+from .made_rig import CATALOGUE, DEAD, DEAD_TIME, MISMATCH, PATTERNS, START, MadeRig, response
+
+BASE = Model(START, shift=(0.2, -0.1, 0.1, -0.2, 0.15, 0.1)).parameters()
+
+
+def asked(data: Values) -> Diagnosis:
+    rig = MadeRig()
+    return diagnose(rig, data + rig.noise(4711), Model(START), CATALOGUE, lambda _: None)
+
+
+def test_nothing_is_named_where_nothing_is_missing() -> None:
+    found = asked(response(BASE))
+    assert (found.verdict, found.found) == ("none", ())
+
+
+@pytest.mark.parametrize(("one", "size"), [(DEAD_TIME, 2500.0), (MISMATCH, 0.15), (DEAD, 0.02)])
+def test_the_effect_that_is_missing_is_named_with_its_size(one, size: float) -> None:  # type: ignore[no-untyped-def]
+    found = asked(response(one.on(BASE, (size,))))
+    assert found.verdict == "effects"
+    assert [each.effect for each in found.found] == [one.effect]
+    fitted = getattr(getattr(found.model.parameters(), one.effect), one.names[0])
+    assert fitted == pytest.approx(size, rel=0.1)
+    assert found.steps[-1].held_out < 0.5 * found.steps[0].held_out
+
+
+def test_two_effects_are_both_named() -> None:
+    found = asked(response(DEAD.on(MISMATCH.on(BASE, (0.2,)), (0.02,))))
+    assert {each.effect for each in found.found} == {"threshold_mismatch", "dead_pixels"}
+
+
+def test_a_pattern_that_is_not_in_the_catalogue_is_called_unknown() -> None:
+    found = asked(response(BASE) + 3 * PATTERNS[10])
+    assert (found.verdict, found.found) == ("unknown", ())
+
+
+def test_what_held_out_data_do_not_confirm_is_not_named() -> None:
+    data = response(BASE)
+    data[:3] += 2.5 * PATTERNS[6][:3]  # a dead time, in the training parts only
+    found = asked(data)
+    assert "refractory_period" not in [each.effect for each in found.found]
+
+
+def test_the_same_data_give_the_same_verdict() -> None:
+    data = response(DEAD_TIME.on(BASE, (900.0,)))
+    first, again = asked(data), asked(data)
+    assert first.model.shift == again.model.shift
+    np.testing.assert_array_equal(first.steps[0].gains, again.steps[0].gains)
