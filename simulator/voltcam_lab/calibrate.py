@@ -9,20 +9,18 @@ from scipy.stats import t as student
 
 from voltcam_simulator import Parameters
 
-from .estimates import NORMAL_90, Estimate, correlations, estimates_of, parameters_of
-from .fit import PRIOR_SD, Fit, fit, maximise, named
-from .likelihood import NAMES
+from .estimates import NORMAL_90, Estimate, correlations, estimates_of, noise_of, parameters_of
+from .fit import PRIOR, Fit, fit, maximise, named
 from .reading import Reading, scene_between
-from .timing import find_dead_time, find_delay
+from .timing import find_times
 from .twins import TWINS, unbiased
 
 __all__ = ["Calibration", "CalibrationError", "Estimate", "Reading", "calibrate", "scene_between"]
 
 SAMPLE = 12_000  # intervals that are fitted: more cost time and add nothing to errors of the light
-FEW = 3_000  # the same, where only the best of several readings is looked for
-SYSTEMATIC = {"k1": 0.001, "k2_dn": 0.001, "k3": 0.35, "k4_per_us": 0.001, "k5_per_dn_us": 0.001}
-"""sd of logarithms that neither twins nor the likelihood show: what cameras that are known were off beyond
-these (docs/calibration.md). That of k3 is large: along its ridge with k6 the two are far from normal."""
+STILL = 24_000  # of light that hardly moves, in addition
+FEW = 3_000  # for a first look
+UNSURE = 0.3  # of what twins take off: their light is not the recording's
 FEWEST = 200  # intervals with an event
 Report = Callable[[str], None]
 
@@ -61,21 +59,23 @@ def calibrate(reading: Reading, seed: int = 0, report: Report = lambda step: Non
             f"too few events to calibrate: {events} intervals between events of a pixel under light that the "
             f"frames tell of, {FEWEST} are needed: record slower motion, longer, or at a higher frame rate"
         )
-    few, sample = reading.sampled(rng, FEW), reading.sampled(rng, SAMPLE)
+    few, more = reading.sampled(rng, FEW), reading.sampled(rng, SAMPLE)
+    sample = reading.sampled(rng, SAMPLE, STILL)
     report("first fit")
     start, _ = maximise(few.intervals(0.0, 0.0), 0.0, waits=few.waits())
-    report("delay")
-    delay_us = find_delay(few, start)
-    report("dead time")
-    dead_us = find_dead_time(few, start, delay_us)
+    delay_us, dead_us = find_times(more, start, report)
     report("fit")
     seen = sample.intervals(dead_us, delay_us)
     found = fit(seen, dead_us, reading.scene.width, start, sample.waits())
     log, twin_sd = unbiased(sample, found, dead_us, delay_us, seed, report)
+    sd = _spread(log, twin_sd, found)
+    scale = sd / np.sqrt(np.diag(found.covariance))
+    noise = noise_of(log, found.covariance * np.outer(scale, scale))
+    values = named(log) | {"k3": noise.value[0], "k6": noise.value[1]}
     return Calibration(
-        parameters=parameters_of(named(log), dead_us, delay_us),
-        estimates=estimates_of(log, _spread(twin_sd, found)),
-        correlations=correlations(found.covariance),
+        parameters=parameters_of(values, dead_us, delay_us),
+        estimates=estimates_of(log, sd, noise),
+        correlations=correlations(found.covariance, noise),
         delay_us=delay_us,
         dead_us=dead_us,
         fit=found,
@@ -84,13 +84,12 @@ def calibrate(reading: Reading, seed: int = 0, report: Report = lambda step: Non
     )
 
 
-def _spread(twin_sd: NDArray[np.float64], found: Fit) -> NDArray[np.float64]:
+def _spread(log: NDArray[np.float64], twin_sd: NDArray[np.float64], found: Fit) -> NDArray[np.float64]:
     """(k,) standard deviations of the log parameters, such that NORMAL_90 of them make the interval.
 
     The larger of what twins have, few as they are, and what the recording's own likelihood and tiles have;
-    and what neither shows of the light: SYSTEMATIC.
+    and a part of the correction itself.
     """
     quantile = float(student.ppf(0.95, TWINS[-1] - 1)) / NORMAL_90
-    prior_sd = np.array([PRIOR_SD[name] for name in NAMES])
-    floor = np.array([SYSTEMATIC.get(name, 0.0) for name in NAMES])
-    return np.asarray(np.minimum(np.hypot(np.maximum(twin_sd * quantile, found.sd), floor), prior_sd))
+    spread = np.hypot(np.maximum(twin_sd * quantile, found.sd), UNSURE * (log - found.log))
+    return np.asarray(np.minimum(spread, PRIOR.sd))

@@ -59,7 +59,21 @@ def _parameters(found: Calibrated) -> list[Markup]:
             "Each parameter with its 90 % interval, blue where the recording fixes it, grey where not; the "
             "band is what is usual, the prior's 90 %.",
         ),
-        table(["effect", "parameter", "value", "90 % from", "to", "rests on"], rows),
+        table(["effect", "parameter", "likeliest", "90 % from", "to", "rests on"], rows),
+        *_refined(found),
+    ]
+
+
+def _refined(found: Calibrated) -> list[Markup]:
+    if not found.moved:
+        return []
+    told = (
+        "What the likelihood of single intervals cannot tell: these were then moved until simulated events "
+        "were most like the recorded ones. The camera file has them so; they are no better known by that."
+    )
+    return [
+        Markup("<h2>Moved to behave as the recording</h2><p>{}</p>").format(told),
+        table(["parameter", "likeliest", "in the camera file"], [list(each) for each in found.moved]),
     ]
 
 

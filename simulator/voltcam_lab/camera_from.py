@@ -13,13 +13,17 @@ from voltcam_simulator.effect import Events
 from voltcam_simulator.effects.junction_leak import arrhenius
 
 from .calibrate import Calibration, CalibrationError, calibrate
+from .distances import Light, Region
 from .estimates import Estimate
-from .health import Health, examine, frame_mask, hot_pixels
+from .health import Health, examine, exposure_windows, frame_mask, hot_pixels
 from .masks import Mask
 from .paper_method import calibrate_as_paper
 from .reading import Reading, scene_between
+from .refine import Refined, refine
 
 Method = Literal["exact", "paper"]
+SIMULATED = 25e6  # pixels times images of light: as much as the command has time for
+WORTH_IT = 0.9  # of the score, where parameters that behave more alike take the place of the likeliest
 MOST_SAMPLES = (
     24_000_000  # pixels times frames that are fitted: about 1.5 GB; of more, the middle of the picture
 )
@@ -27,14 +31,18 @@ MOST_SAMPLES = (
 
 @dataclass(frozen=True, eq=False)
 class Calibrated:
-    """camera: the result. estimates: what was fitted, with intervals; none by the paper's method. reading:
-    what of the recording was looked at, all its pixels. notes: what a person should know, a line each."""
+    """camera: the result. estimates: what was fitted, with intervals; none by the paper's method. refined:
+    what was then moved for the camera to behave as the recording; None where nothing was. moved: these, as
+    (effect.parameter, by likelihood, now). reading: what of the recording was looked at, all its pixels.
+    notes: what a person should know, a line each."""
 
     camera: Camera
     method: Method
     health: Health
     estimates: tuple[Estimate, ...]
     calibration: Calibration | None
+    refined: Refined | None
+    moved: tuple[tuple[str, float, float], ...]
     reading: Reading
     mask: Mask
     notes: tuple[str, ...]
@@ -44,7 +52,9 @@ class Calibrated:
         lines = [f"# Calibrated by `voltcam calibrate` ({self.method} law) from {source}."]
         lines += [f"# {note}" for note in self.notes]
         if self.estimates:
-            lines.append("# 90 % intervals, and what fixes each: data, or only the prior (nothing much):")
+            lines.append(
+                "# Likeliest: 90 % intervals, and what fixes each, data or only the prior (nothing much):"
+            )
         for one in self.estimates:
             name = f"{one.effect}.{one.parameter}"
             lines.append(f"#   {name:<36} {one.low:.3g} .. {one.high:.3g}  {one.rests_on}")
@@ -62,13 +72,15 @@ def camera_from(
     temperature_c: float | None = None,
     seed: int = 0,
     health: Health | None = None,
+    refining: bool = True,
     report: Callable[[str], None] = lambda step: None,
 ) -> Calibrated:
     """The camera that made a recording (as voltcam_lab.recordings.load gives it).
 
     base: a camera whose other effects are taken over, of the recording's size. temperature_c: of the die
-    while it was recorded. health: as `examine` has it, where that is known. Raises CalibrationError, a line,
-    where the recording is of no use.
+    while it was recorded. health: as `examine` has it, where that is known. refining: the exact law's
+    parameters are moved until simulated events are most like the recorded ones, if they gain by it. Raises
+    CalibrationError, a line, where the recording is of no use.
     """
     size = (recording.width, recording.height)
     if base is not None and (base.width, base.height) != size:
@@ -89,6 +101,8 @@ def camera_from(
     reading = Reading(_within(recording, cut), scene_between(frames[:, *cut], frame_t_us), keep[cut], mask)
     notes = _notes(reading, frames.shape[1:])
     found: Calibration | None = None
+    refined: Refined | None = None
+    moved: tuple[tuple[str, float, float], ...] = ()
     estimates: tuple[Estimate, ...] = ()
     if method == "paper":
         try:
@@ -100,8 +114,15 @@ def camera_from(
         found = calibrate(reading, seed, report)
         parameters, estimates = found.parameters, found.estimates
         notes += _notes_of(found)
+        if refining:
+            parameters = base.parameters.changed(_own(parameters)) if base else parameters
+            refined = _refined(recording, reading, cut, parameters, seed, report)
+            worth = refined.after < WORTH_IT * refined.before
+            moved = _moved(parameters, refined.parameters) if worth else ()
+            notes.append(_told(refined, worth))
+            parameters = refined.parameters if worth else parameters
     faulty = _faulty(recording, mask, health)
-    known: dict[str, Any] = parameters.model_dump(exclude_defaults=True) | faulty
+    known: dict[str, Any] = _own(parameters) | faulty
     if temperature_c is not None:
         known["temperature_c"] = temperature_c
         known["junction_leak"] = {"k4_per_us": _at_reference(parameters, temperature_c)}
@@ -111,7 +132,50 @@ def camera_from(
         height=size[1],
         parameters=(base.parameters if base else Parameters()).changed(known),
     )
-    return Calibrated(camera, method, health, estimates, found, reading, mask, tuple(notes))
+    return Calibrated(camera, method, health, estimates, found, refined, moved, reading, mask, tuple(notes))
+
+
+def _own(parameters: Parameters) -> dict[str, Any]:
+    return parameters.model_dump(exclude_defaults=True)
+
+
+def _refined(
+    recording: Recording,
+    reading: Reading,
+    cut: tuple[slice, slice],
+    start: Parameters,
+    seed: int,
+    report: Callable[[str], None],
+) -> Refined:
+    """The camera will see other scenes, so light is what it is there: frames, and what is between them."""
+    scene, frames, t_us = reading.scene, recording.frames, recording.frame_t_us
+    assert frames is not None
+    assert t_us is not None
+    whole = Region.whole(scene.width, scene.height, int(t_us[0]), int(t_us[-1]))
+    region = whole.on(reading.keep).without(exposure_windows(recording))
+    light = Light(np.asarray(frames[:, *cut], np.uint8), t_us)
+    return refine(
+        reading.events, scene, light, region, start, seed, report, same_light=True, longest=SIMULATED
+    )
+
+
+def _moved(before: Parameters, after: Parameters) -> tuple[tuple[str, float, float], ...]:
+    """What differs by more than a thousandth, by name."""
+    found = []
+    old, new = before.model_dump(), after.model_dump()
+    for effect, values in new.items():
+        for name, value in (values if isinstance(values, dict) else {}).items():
+            former = old[effect][name]
+            if isinstance(value, float) and abs(value - former) > 1e-3 * max(abs(value), abs(former)):
+                found.append((f"{effect}.{name}", float(former), value))
+    return tuple(found)
+
+
+def _told(refined: Refined, worth: bool) -> str:
+    score = f"{refined.before:.3g} to {refined.after:.3g} on pixels that no step was judged by (0: the same)"
+    if not worth:
+        return f"parameters are the likeliest: others that were tried behave no more alike, {score}"
+    return f"parameters were moved to behave as the recording does: difference from {score}"
 
 
 def _at_reference(parameters: Parameters, temperature_c: float) -> float:

@@ -48,6 +48,12 @@ A minute is good: some of it held still, some slow, some fast, from dark to brig
     parser.add_argument(
         "--temperature", metavar="C", type=float, help="of the die during the recording (default: 25)"
     )
+    parser.add_argument(
+        "--no-refine",
+        dest="refining",
+        action="store_false",
+        help="keep the likeliest parameters, even if others make events that are more like the recorded",
+    )
     parser.add_argument("--seed", metavar="N", type=int, default=0, help="of what is drawn (default: 0)")
     parser.set_defaults(run=run)
 
@@ -62,7 +68,8 @@ def run(arguments: argparse.Namespace) -> int:
     recording = load(arguments.recording)
     health = examine(recording)
     sys.stdout.write(health.text() + "\n\n")
-    with tqdm(total=STEPS[arguments.method], disable=None, leave=False, bar_format=BAR) as bar:
+    steps = STEPS[arguments.method] + (REFINING if arguments.refining and arguments.method == "exact" else 0)
+    with tqdm(total=steps, disable=None, leave=False, bar_format=BAR) as bar:
 
         def progress(step: str) -> None:
             bar.set_description_str(step)
@@ -76,6 +83,7 @@ def run(arguments: argparse.Namespace) -> int:
             temperature_c=arguments.temperature,
             seed=arguments.seed,
             health=health,
+            refining=arguments.refining,
             report=progress,
         )
         source = arguments.recording.absolute().name
@@ -84,12 +92,14 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.report:
             progress("report")
             written.append(write_report(found, source, arguments.report, arguments.seed))
-    lines = [*_table(found.estimates), *found.notes, "", *(f"{path} written" for path in written)]
+    tables = [*_table(found.estimates), *_moved(found.moved)]
+    lines = [*tables, *found.notes, "", *(f"{path} written" for path in written)]
     sys.stdout.write("\n".join(lines) + "\n")
     return 0
 
 
 STEPS = {"exact": 22, "paper": 2}
+REFINING = 20
 BAR = "{desc:<20} {percentage:3.0f}% |{bar}| {elapsed}"
 
 
@@ -102,6 +112,14 @@ def _table(estimates: Sequence[Estimate]) -> list[str]:
         lines.append(
             f"{one.effect + '.' + one.parameter:<38}{one.value:>10.3g}   {interval:<24}{one.rests_on}"
         )
+    return [*lines, ""]
+
+
+def _moved(moved: Sequence[tuple[str, float, float]]) -> list[str]:
+    if not moved:
+        return []
+    lines = [f"{'moved to behave as the recording':<38}{'likeliest':>10}   in the camera file"]
+    lines += [f"{name:<38}{former:>10.3g}   {value:.3g}" for name, former, value in moved]
     return [*lines, ""]
 
 

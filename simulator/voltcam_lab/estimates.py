@@ -1,14 +1,15 @@
 """Parameters of a camera with their intervals, and what each rests on: the recording, or what is usual."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from voltcam_simulator import Parameters
 
-from .fit import PRIOR_SD
-from .likelihood import NAMES, START
+from .fit import NAMES, PRIOR, PRIOR_SD
+from .likelihood import START
+from .noise import USUAL_SD, Shares, shares
 
 PLACES = {
     "k1": ("contrast_response", "k1"),
@@ -24,8 +25,8 @@ PLACES = {
 """Where the parameters of the likelihood are in a camera file; the ratio of the thresholds aside."""
 
 NORMAL_90 = 1.645
-PAIRS = (("k1", "k2_dn"), ("k3", "k6"), ("k4_per_us", "k5_per_dn_us"))
-"""Which of them a recording tells apart badly (DIAGNOSIS.md, section 4)."""
+PAIRS = (("k1", "k2_dn"), ("k4_per_us", "k5_per_dn_us"))
+"""Which of them, beside k3 and k6, a recording tells apart badly (DIAGNOSIS.md, section 4)."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ def parameters_of(values: dict[str, float], dead_us: float, delay_us: float) -> 
     """A camera's parameters from those of the likelihood (NAMES)."""
     changes: dict[str, dict[str, float]] = {}
     for name, (effect, parameter) in PLACES.items():
-        changes.setdefault(effect, {})[parameter] = values[name]
+        changes.setdefault(effect, {})[parameter] = max(values[name], 0.0)  # k3 or k6, by rounding
     ratio = float(np.sqrt(values["on_over_off"]))
     changes["comparator"] = {"theta_on": ratio, "theta_off": 1 / ratio}
     changes["refractory_period"] = {"period_us": dead_us}
@@ -64,31 +65,43 @@ def parameters_of(values: dict[str, float], dead_us: float, delay_us: float) -> 
     return Parameters().changed(changes)
 
 
-def estimates_of(log: NDArray[np.float64], sd: NDArray[np.float64]) -> tuple[Estimate, ...]:
-    """Of the logarithms (k,) of the parameters NAMES and their standard deviations."""
-    found = []
+def noise_of(log: NDArray[np.float64], covariance: NDArray[np.float64]) -> Shares:
+    """k3 and k6 of logarithms (k,) of NAMES with their covariance (k, k)."""
+    two = [NAMES.index("noise"), NAMES.index("noise_ratio")]
+    return shares(log[two], covariance[np.ix_(two, two)], PRIOR.centre[two], PRIOR.sd[two])
+
+
+def estimates_of(log: NDArray[np.float64], sd: NDArray[np.float64], noise: Shares) -> tuple[Estimate, ...]:
+    """Of the logarithms (k,) of the parameters NAMES and their standard deviations; k3 and k6 of `noise`."""
+    found = {}
     for i, name in enumerate(NAMES):
         if name in PLACES:
-            places = [(*PLACES[name], 1.0)]
+            found[name] = _estimate(*PLACES[name], log[i], sd[i], START[name], PRIOR_SD[name])
         elif name == "on_over_off":
-            places = [("comparator", "theta_on", 0.5), ("comparator", "theta_off", -0.5)]
-        else:
-            continue
-        usual = np.log(START[name]) + NORMAL_90 * PRIOR_SD[name] * np.array([-1, 1])
-        ends = log[i] + NORMAL_90 * sd[i] * np.array([-1, 1])
-        informed = float(np.clip(1 - sd[i] / PRIOR_SD[name], 0, 1))
-        for effect, parameter, power in places:
-            low, high = sorted(np.exp(power * ends).tolist())
-            first, last = sorted(np.exp(power * usual).tolist())
-            value = float(np.exp(power * log[i]))
-            found.append(Estimate(effect, parameter, value, low, high, (first, last), informed))
-    return tuple(found)
+            for which, sign in (("theta_on", 1), ("theta_off", -1)):
+                half = sign * log[i] / 2, sd[i] / 2, 1.0, PRIOR_SD[name] / 2
+                found[which] = _estimate("comparator", which, *half)
+    for k, name in enumerate(("k3", "k6")):
+        of = _estimate(*PLACES[name], np.log(noise.value[k]), noise.sd[k], START[name], USUAL_SD)
+        low, high = noise.interval[k]
+        found[name] = replace(of, low=low, high=high)
+    order = [name for name in PLACES if name in found] + ["theta_on", "theta_off"]
+    return tuple(found[name] for name in order)
 
 
-def correlations(covariance: NDArray[np.float64]) -> dict[tuple[str, str], float]:
-    """Of the logarithms of PAIRS, from the covariance (k, k)."""
+def _estimate(effect: str, parameter: str, log: float, sd: float, usual: float, prior_sd: float) -> Estimate:
+    ends = NORMAL_90 * np.array([-1, 1])
+    low, high = np.exp(log + sd * ends).tolist()
+    first, last = (usual * np.exp(prior_sd * ends)).tolist()
+    informed = float(np.clip(1 - sd / prior_sd, 0, 1))
+    return Estimate(effect, parameter, float(np.exp(log)), low, high, (first, last), informed)
+
+
+def correlations(covariance: NDArray[np.float64], noise: Shares) -> dict[tuple[str, str], float]:
+    """Of the logarithms of PAIRS, from the covariance (k, k), and of k3 and k6."""
     sd = np.sqrt(np.diag(covariance))
     places = [(NAMES.index(a), NAMES.index(b)) for a, b in PAIRS]
-    return {
+    found = {
         pair: float(covariance[i, j] / (sd[i] * sd[j])) for pair, (i, j) in zip(PAIRS, places, strict=True)
     }
+    return found | {("k3", "k6"): noise.correlation}

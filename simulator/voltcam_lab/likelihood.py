@@ -30,17 +30,17 @@ Vector = NDArray[np.float64]
 
 START = {
     "k1": 5.0, "k2_dn": 20.0, "k3": 1e-4, "k4_per_us": 1e-7, "k5_per_dn_us": 1e-8, "k6": 1e-5,
-    "on_over_off": 1.0, "threshold_spread": 0.02, "leak_spread": 0.05, "reset_spread": 0.003,
-    "light_error_dn": 0.3,
-    "bend_error": 0.3,
+    "on_over_off": 1.0, "threshold_spread": 0.02, "leak_spread": 0.05, "reset_spread": 0.001,
+    "light_error_dn": 0.3, "light_error_share": 0.002, "light_wander": 3e-5, "bend_error": 0.3,
 }  # fmt: skip
 """Parameters of the likelihood, all positive, and where the search begins: the camera's first, then what
-spreads."""
+spreads. Light that moves is off by grey levels, by a share of its brightness, by more the longer it moves
+[1/sqrt(us)], and by what frames surprise: without the second and third, it would pass for noise of pixels."""
 
 LARGEST = {"threshold_spread": 0.5, "leak_spread": 1.0, "reset_spread": 0.5}
 """What may be larger only because something else is wrong: spreads take in whatever is not understood."""
 
-NAMES = tuple(START)
+LEAST_SIGMA = 1e-8
 OUTLIER = 0.01
 """Share of the intervals whose missing event is not held against the model: light the frames do not show."""
 
@@ -69,11 +69,11 @@ def terms(seen: Intervals, dead_us: float, p: Mapping[str, float]) -> Terms:
     free_us = np.maximum(seen["end_us"] - seen["start_us"] - dead_us, 1.0)
     dark = np.log(before + k2)
     leaked = (p["k4_per_us"] + p["k5_per_dn_us"] * mean) * free_us
-    rate = noise_rate(mean, p)
     blurred = np.minimum(highest - lowest, 1.0)  # light that stands still has no error of its change
-    light_error2 = (
-        blurred * p["light_error_dn"] ** 2 + (p["bend_error"] * seen["doubt"].astype(np.float64)) ** 2
-    )
+    rate = noise_rate(mean, p) + blurred * p["light_wander"] ** 2
+    share2 = (p["light_error_share"] * (mean + k2)) ** 2
+    bend2 = (p["bend_error"] * seen["doubt"].astype(np.float64)) ** 2
+    light_error2 = blurred * (p["light_error_dn"] ** 2 + share2) + bend2
     error = p["reset_spread"] ** 2 + light_error2 * (k1 / (mean + k2)) ** 2
     leak_rate = p["k4_per_us"] + p["k5_per_dn_us"] * after
     ratio = np.sqrt(p["on_over_off"])
@@ -91,8 +91,9 @@ def terms(seen: Intervals, dead_us: float, p: Mapping[str, float]) -> Terms:
 
 
 def noise_rate(level: Vector, p: Mapping[str, float]) -> Vector:
-    """sigma^2 [1/us] at a light (n,) [DN] (Eq. 11)."""
-    return np.asarray((p["k3"] * np.sqrt(level) / (level + p["k2_dn"]) + p["k6"]) ** 2)
+    """sigma^2 [1/us] at a light (n,) [DN] (Eq. 11); where k3 or k6 is negative, never quite 0."""
+    sigma = p["k3"] * np.sqrt(level) / (level + p["k2_dn"]) + p["k6"]
+    return np.asarray(np.maximum(sigma, LEAST_SIGMA) ** 2)
 
 
 class Likelihood:
@@ -176,11 +177,11 @@ class Likelihood:
         up, down = (ratio - t.highest[unseen]) / width, (1 / ratio + t.lowest[unseen]) / width
         return _lenient(log_ndtr(up) + log_ndtr(down))
 
-    def reweigh(self, p: Mapping[str, float]) -> float:
+    def reweigh(self, p: Mapping[str, float]) -> Vector:
         """Set `weights` and `stray_per_us` from the model with parameters `p`.
 
-        Returns the log likelihood of the events as a mixture of the model's own and others, which may be
-        compared between readings of the same recording.
+        Returns the log likelihood of each of `seen` with events as a mixture of the model's own and others,
+        whose mean over events may be compared between readings of the same recording.
         """
         t = terms(self.seen, self.dead_us, p)
         n = self.events
@@ -193,7 +194,7 @@ class Likelihood:
         self.weights = own / (own + stray)
         lost = np.bincount(off, 1 - self.weights, minlength=2)
         self.stray_per_us = np.maximum(lost / self.span_us, 1e-12)
-        return float(np.log(own + stray).sum() + self._log_survival(t, p).sum())
+        return np.concatenate([np.log(own + stray), self._log_survival(t, p)])
 
 
 def _lenient(log_probability: Vector) -> Vector:

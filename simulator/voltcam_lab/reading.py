@@ -14,6 +14,7 @@ from .scene import TRUSTED, Scene, scene_of
 WELL_SAMPLED = 0.9  # share of the light that is trusted from which nothing better is looked for
 TOLERANCES = (TRUSTED, 0.1, 0.2, 0.4)  # of the light, the strictest first
 ENOUGH = 2_000  # intervals with an event: with as many, no more light is trusted than that
+ENOUGH_EACH = 400  # of these ON, and OFF: leak alone makes only ON, which tells nothing of thresholds
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,21 +46,23 @@ class Reading:
         found = replace(self, rest=rest_of(self.scene), resting=self.keep)
         for tolerance in TOLERANCES:
             found = replace(found, tolerance=tolerance)
-            if np.count_nonzero(found.intervals(0.0, 0.0)["end"]) >= ENOUGH:
+            end = found.intervals(0.0, 0.0)["end"]
+            if np.count_nonzero(end) >= ENOUGH and min(np.sum(end > 0), np.sum(end < 0)) >= ENOUGH_EACH:
                 break
         return found
 
-    def sampled(self, rng: np.random.Generator, size: int) -> "Reading":
-        """Pixels with about `size` intervals, alike many where the light hardly moves, moves, and moves
-        much."""
+    def sampled(self, rng: np.random.Generator, size: int, still: int = 0) -> "Reading":
+        """Pixels with about `size` intervals, alike many where the light hardly moves, moves, and moves much;
+        and up to `still` more of the first, which alone tell of noise."""
         seen = self.intervals(0.0, 0.0)
         count = np.bincount(seen["pixel"][seen["end"] != 0], minlength=self.keep.size)
         moved = self.scene.images.std(axis=0).ravel()
         usable = np.flatnonzero(self.keep.ravel() & (count > 0))
         keep = np.zeros(count.size, np.bool_)
-        for part in np.array_split(usable[np.argsort(moved[usable], kind="stable")], 3):
+        parts = np.array_split(usable[np.argsort(moved[usable], kind="stable")], 3)
+        for part, most in zip(parts, (size / 3 + still, size / 3, size / 3), strict=True):
             drawn = rng.permutation(part)
-            keep[drawn[np.cumsum(count[drawn]) <= size / 3]] = True
+            keep[drawn[np.cumsum(count[drawn]) <= most]] = True
         return replace(self, keep=keep.reshape(self.keep.shape))
 
 

@@ -34,7 +34,7 @@ from .replay import Replay
 from .scene import Scene
 
 DEVELOPED_PIXELS = 12  # side of the tiles, every other one of which judges what is kept
-LONGEST = 40e6  # pixels times images of light that are simulated: the busiest stretch of more than that
+LONGEST = 40e6  # pixels times images of light that are simulated, unless told otherwise
 BETTER = 0.998  # of the score, for what is new to stay
 SHARPENING = (0.15, 0.3, 0.45)
 BENDS = ((1.0, 1.0), (0.6, 2.5), (0.6, 5.0))  # factors of gamma, and of the knee
@@ -63,19 +63,22 @@ def refine(
     start: Parameters,
     seed: int = 0,
     report: Callable[[str], None] = lambda step: None,
+    same_light: bool = False,
+    longest: float = LONGEST,
 ) -> Refined:
     """Parameters near `start` whose events in `fitting` are closest to the recording's.
 
     events (EVENT): the recording's, in order of time; light: its frames. Effects that the search has no
-    coordinate for stay as they are in `start`.
+    coordinate for stay as they are in `start`. same_light: the scene stays as it is, for a camera that will
+    see others. longest: pixels times images of light that are simulated, the busiest stretch of more.
     """
-    part = _busiest(events, scene, fitting)
+    part = _busiest(events, scene, fitting, longest)
     seen, other = (Goal(events, half, light) for half in by_pixels(part, DEVELOPED_PIXELS))
     search = _Search(start, seen, other, scene, part, seed, report)
     point = point_of(start)
     before = search.unseen(point)
     point = search.first(point)
-    lit = search.light(point)
+    lit = search.light(point, same_light)
     point, kept = search.offered(lit.point)
     point = search.polished(point, CORE + kept)
     point, kept = search.without_needless(point, kept)
@@ -90,10 +93,10 @@ def refine(
     )
 
 
-def _busiest(events: NDArray[np.void], scene: Scene, region: Region) -> Region:
+def _busiest(events: NDArray[np.void], scene: Scene, region: Region, longest: float) -> Region:
     """The region in the stretch with most events that is short enough to be simulated often."""
     pixels = scene.width * scene.height
-    images = max(int(LONGEST / pixels), 2)
+    images = max(int(longest / pixels), 2)
     if len(scene.t_us) <= images:
         return region
     t_us = np.sort(region.of(events)["t"])
@@ -186,26 +189,28 @@ class _Search:
         self.report("refine: thresholds, delay")
         return self.moved(point, CORE, 0.3, 6, best)[0]
 
-    def light(self, point: dict[str, float]) -> "_Trial":
+    def light(self, point: dict[str, float], same_light: bool) -> "_Trial":
         """The point with the light that is closest.
 
         How sharp light is and how grey levels stand for it make up for one another: both at once.
         """
         found = best = _Trial(point, self.score(point), self.unseen(point), self.scene, "as it was", 0.0)
-        even = evened(self.scene)
         lights = [(self.scene, "as it was", 0.0)]
-        lights += [(sharpened(even, x), f"evened, sharpened by {x:g}", x) for x in SHARPENING]
+        if not same_light:
+            even = evened(self.scene)
+            lights += [(sharpened(even, x), f"evened, sharpened by {x:g}", x) for x in SHARPENING]
         for bend, knee in BENDS:
             tried = bent(point, bend * point["gamma"], knee * point["knee_dn"])
             for scene, words, sharpening in lights:
                 trial = self._tried(tried, scene, words, sharpening)
                 best, tried = (trial if trial.score < best.score else best), trial.point
         found = best if best.better_than(found) else found
-        calm = calmed(self.scene)
-        if found.scene is not self.scene:
-            calm = sharpened(evened(calm), found.sharpening)
-        trial = self._tried(found.point, calm, f"calmed, {found.words}", found.sharpening)
-        found = trial if trial.better_than(found) else found
+        if not same_light:
+            calm = calmed(self.scene)
+            if found.scene is not self.scene:
+                calm = sharpened(evened(calm), found.sharpening)
+            trial = self._tried(found.point, calm, f"calmed, {found.words}", found.sharpening)
+            found = trial if trial.better_than(found) else found
         self.replay = Replay.of(found.scene, self.region)
         return found
 

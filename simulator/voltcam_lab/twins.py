@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from voltcam_simulator import EVENT, Parameters, Simulator
 
 from .estimates import parameters_of
-from .fit import PRIOR, Fit, maximise, named
-from .likelihood import NAMES
+from .fit import NAMES, Fit, maximise, named, possible
 from .reading import Reading
 from .scene import Scene, scene_of
 
@@ -36,9 +35,9 @@ def unbiased(
     first led.
     """
     truth, made = fitted.log, 0
-    known = np.clip(2 * (1 - fitted.sd / PRIOR.sd), 0, 1)  # what the prior says has no error to be taken off
     fits = np.zeros((0, len(truth)))
     for twins in TWINS:
+        truth = possible(truth)
         values, parts = named(truth), []
         parameters = parameters_of(values, dead_us, delay_us)
         for _ in range(twins // PER_LIGHT):
@@ -50,20 +49,20 @@ def unbiased(
                 seen, waited = own.intervals(dead_us, delay_us), own.waits()
                 parts.append(maximise(seen, dead_us, truth, em_steps=1, waits=waited)[0])
         fits = np.array(parts)
-        truth = _corrected(truth, fitted.log, fits, known)
+        truth = _corrected(truth, fitted, fits)
     return truth, np.asarray(fits.std(axis=0, ddof=1) * np.sqrt(1 + 1 / len(fits)))
 
 
-def _corrected(truth: Vector, found: Vector, fits: NDArray[np.float64], known: Vector) -> Vector:
-    """Log parameters whose twins fit as `found`, from twins of `truth` that fit as `fits` (n, k), where known
-    (k,) is 1; 0: not changed.
+def _corrected(truth: Vector, fitted: Fit, fits: NDArray[np.float64]) -> Vector:
+    """Log parameters whose twins fit as the recording did, from twins of `truth` that fit as `fits` (n, k).
 
-    Spreads add up in squares: one that is all error of the fit goes to nothing.
+    Nothing moves in directions that the data do not fix. Spreads add up in squares: one that is all error of
+    the fit goes to nothing.
     """
-    corrected: Vector = truth - known * np.clip(fits.mean(axis=0) - found, -1, 1)
+    corrected: Vector = truth - fitted.informed @ np.clip(fits.mean(axis=0) - fitted.log, -1, 1)
     for i, name in enumerate(NAMES):
         if name.endswith("_spread"):
-            square = np.exp(2 * truth[i]) - np.exp(2 * fits[:, i]).mean() + np.exp(2 * found[i])
+            square = np.exp(2 * truth[i]) - np.exp(2 * fits[:, i]).mean() + np.exp(2 * fitted.log[i])
             corrected[i] = 0.5 * np.log(max(square, LEAST_SPREAD**2))
     return corrected
 
@@ -86,7 +85,8 @@ def retake(scene: Scene, rng: np.random.Generator, bend_error: float) -> Retaken
     """
     whole = np.issubdtype(scene.taken.dtype, np.integer)
     shape = (scene.height, scene.width)
-    shift = rng.random(shape, np.float32) - np.float32(0.5) if whole else np.zeros(shape, np.float32)
+    levels, alike = np.unique(scene.taken[0], return_inverse=True)  # light that is alike is rounded alike
+    shift = (rng.random(levels.size, np.float32) - np.float32(0.5))[alike].reshape(shape) * np.float32(whole)
     later_us = round(rng.uniform(0.25, 0.75) * float(np.median(np.diff(scene.taken_us))))
     light = [(np.maximum(image + shift, 0), t_us - later_us) for image, t_us in bent(scene, rng, bend_error)]
     t_us = np.array([t for _, t in light])

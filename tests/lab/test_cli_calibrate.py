@@ -46,7 +46,7 @@ def test_a_recording_gives_a_camera_and_a_report(
     assert calibrated(recording, "--out", out, "--report", report, "--temperature", 40) == 0
     said = capsys.readouterr().out
     assert said.startswith("This recording can be used")
-    for word in ("contrast_response.k1", "90 % interval", "correlated", f"{out} written"):
+    for word in ("contrast_response.k1", "90 % interval", "correlated", "behave", f"{out} written"):
         assert word in said
     camera = Camera.load(out)
     assert (camera.name, camera.width, camera.height) == ("mine", 48, 36)

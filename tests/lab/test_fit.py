@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from voltcam_lab.ascent import Prior, ascend
-from voltcam_lab.fit import fit
+from voltcam_lab.estimates import noise_of
+from voltcam_lab.fit import NAMES, fit
 from voltcam_lab.intervals import INTERVAL
 from voltcam_lab.rest import NO_WAITS, WAIT
 
@@ -30,7 +31,7 @@ def test_leak_is_found_within_its_error() -> None:
     """Four standard deviations, twice: 1.3e-4 to fail by chance."""
     found = fit(drawn(600, 4, seed=1), 0.0, width=40)
     for name in ("k4_per_us", "k5_per_dn_us"):
-        i = list(found.values).index(name)
+        i = NAMES.index(name)
         assert abs(found.log[i] - np.log(TRUTH[name])) < 4 * found.sd[i], name
         assert found.sd[i] < 0.2
     assert found.own > 0.97
@@ -41,8 +42,26 @@ def test_noise_is_found_as_far_as_it_shows() -> None:
     found = fit(drawn(600, 4, seed=2), 0.0, width=40)
     sigma = found.values["k3"] * 10 / (100 + found.values["k2_dn"]) + found.values["k6"]
     assert sigma == pytest.approx(TRUTH["k3"] * 10 / 120 + TRUTH["k6"], rel=0.2)
-    names = list(found.values)
-    assert found.covariance[names.index("k3"), names.index("k6")] < 0
+    noise = noise_of(found.log, found.covariance)
+    assert noise.correlation < -0.5
+    assert noise.interval[0][0] < TRUTH["k3"] < noise.interval[0][1]
+
+
+def test_what_light_adds_while_it_moves_is_no_noise() -> None:
+    """Half of the intervals are of light that moves and wanders ten times as much: sigma to 25 %, in units of
+    the threshold, whose own is not told by ON alone."""
+    still, moving = drawn(300, 4, seed=4), drawn(300, 4, seed=5)
+    leak = TRUTH["k4_per_us"] + TRUTH["k5_per_dn_us"] * moving["mean"].astype(float)
+    rng = np.random.default_rng(6)
+    moving["end_us"] = rng.wald(1 / leak, 1 / np.full(len(moving), 4e-4**2))
+    moving["lowest"] -= 2
+    moving["highest"] += 2
+    moving["pixel"] += 300
+    found = fit(np.concatenate([still, moving]), 0.0, width=40).values
+    unit = found["on_over_off"] ** 0.5
+    sigma = found["k3"] * 10 / (100 + found["k2_dn"]) + found["k6"]
+    assert sigma / unit == pytest.approx(TRUTH["k3"] * 10 / 120 + TRUTH["k6"], rel=0.25)
+    assert found["light_wander"] / unit == pytest.approx(4e-4, rel=0.25)
 
 
 def test_silence_alone_bounds_the_leak() -> None:

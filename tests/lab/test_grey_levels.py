@@ -8,7 +8,6 @@ from hypothesis.extra.numpy import arrays
 
 from voltcam_lab.grey_levels import unrounded
 
-
 TEXTURE = np.random.default_rng(1).uniform(0, 40, (16, 16))  # pixels pass a level at different times
 
 

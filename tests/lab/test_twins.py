@@ -1,10 +1,14 @@
 """Twins: light like the recording's, its frames taken anew, and the errors they show."""
 
-import numpy as np
+from dataclasses import replace
 
-from voltcam_lab.reading import scene_between
+import numpy as np
+import pytest
+
+from voltcam_lab.fit import NAMES, fit
+from voltcam_lab.reading import Reading, scene_between
 from voltcam_lab.scene import Scene
-from voltcam_lab.twins import retake, twin
+from voltcam_lab.twins import retake, twin, unbiased
 from voltcam_simulator import Parameters
 
 PERIOD_US = 10_000
@@ -51,3 +55,27 @@ def test_events_begin_with_the_frames_and_repeat_with_the_seed() -> None:
     assert (first == again).all()
     assert len(first) > 500
     assert len(first) != len(other) or (first != other).any()
+
+
+def test_what_is_rounded_alike_is_off_alike() -> None:
+    """Pixels of one grey level that stay at rest have one light in a twin, and it is another."""
+    retaken = retake(waves(), np.random.default_rng(6), bend_error=0.0)
+    still = retaken.light[0][0][:, :3]
+    assert np.ptp(still) == 0
+    assert still[0, 0] != 100
+
+
+def test_twins_move_nothing_that_the_data_do_not_fix() -> None:
+    scene = waves(120)
+    events = twin(retake(scene, np.random.default_rng(1), 0.0), Parameters.of("paper"), 1)
+    reading = Reading(events, scene, np.ones((12, 16), np.bool_), np.zeros((0, 2), np.int64))
+    found = fit(reading.intervals(0.0, 0.0), 0.0, 16)
+    steps: list[str] = []
+    for informed in (np.zeros_like(found.informed), found.informed):
+        log, _ = unbiased(reading, replace(found, informed=informed), 0.0, 0.0, 1, steps.append)
+        apart = {name: abs(log[i] - found.log[i]) for i, name in enumerate(NAMES)}
+        kept = all(
+            apart[name] == pytest.approx(0, abs=1e-9) for name in ("k1", "k2_dn", "noise", "on_over_off")
+        )
+        assert kept == (not informed.any())
+    assert len(steps) == 32

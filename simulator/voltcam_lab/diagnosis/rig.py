@@ -18,7 +18,7 @@ Values = NDArray[np.float64]
 Events = NDArray[np.void]
 Image = tuple[NDArray[np.float32], int]
 
-LEAD_IN_US = 300_000  # for which a camera has been there before it records: light that flickers, warm queues
+LEAD_IN_US = 5_000_000  # for which a camera has been there before it records: pulses have fired whom they can
 LEAD_OUT_US = 100_000  # for which it goes on, for events that are late
 PLACED = ("aps_coupling", "crosstalk", "readout", "residual_drift", "usb_overflow", "vignetting")
 """Effects to which it matters where a pixel is or what others do: they do not act on stacked sensors."""

@@ -1,4 +1,4 @@
-"""A rig without a simulator: what the battery sees is a formula, so that the search is tested alone, and fast."""
+"""A rig without a simulator: what the battery sees is a formula, so that the search is tested alone."""
 
 from collections.abc import Callable, Sequence
 

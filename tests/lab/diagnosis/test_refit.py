@@ -24,7 +24,7 @@ def test_base_parameters_are_found() -> None:
 
 
 def valley(parameters: Parameters) -> Values:
-    """A leak stands in for the dead time, along a bend: one sharp statistic sees only what they do together."""
+    """A leak stands in for the dead time, along a bend: sharp statistics see what they do together."""
     amount, leak = np.log(parameters.refractory_period.period_us / 1000), logs(parameters)[3]
     seen = 100 + 0.5 * amount * PATTERNS[6] + 0.05 * leak * PATTERNS[3]
     seen[:, :20] += 60 * (leak - np.tanh(amount))
