@@ -21,7 +21,8 @@ def unrounded(frames: NDArray[Any]) -> NDArray[np.float32]:
     """
     levels = frames.reshape(len(frames), -1).astype(np.float32)
     change = np.abs(np.diff(frames.astype(np.float32), axis=0))
-    moved = uniform_filter(change, size=(3, NEAR, NEAR), mode="nearest")  # pyright: ignore[reportArgumentType].reshape(len(change), -1)
+    window: Any = (3, NEAR, NEAR)
+    moved = uniform_filter(change, size=window, mode="nearest").reshape(len(change), -1)
     moved += uniform_filter(change.mean(axis=(1, 2)), size=3, mode="nearest")[:, None]
     light = levels.copy()
     _smooth(levels, moved, light)
