@@ -4,6 +4,7 @@ A simulator takes both for changes of the light: noise from frame to frame, and,
 sharp to blurred and back, since frames moved by parts of a pixel and laid over one another blur.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -16,6 +17,7 @@ from .scene import USUAL_DARK_DN, Scene, scene_of
 
 NOISIEST_DN = 3.0  # of a difference between frames: more is motion
 STILL_FRAMES = 5
+LONGER_AND_LONGER = (5, 15, 45, 135)  # frames
 NEAR_PIXELS = 1.5  # noise is a pixel's own, motion is its neighbours', too
 WIDEST = 0.8  # pixels: the blur of linear interpolation half-way between four pixels is 0.7
 HALVINGS = 5
@@ -23,17 +25,39 @@ ALIKE = 1.02  # ratio of powers that needs no blur
 WHITE_DN = 255.0
 
 Image = NDArray[np.float32]
+Images = NDArray[np.float32]
 
 
 def calmed(scene: Scene) -> Scene:
-    """The scene of frames that are the mean of STILL_FRAMES where these differ by no more than noise does,
-    and as they were where they differ by more than twice that."""
+    """The scene of frames that are `calm` over STILL_FRAMES."""
     frames = scene.taken.astype(np.float32)
     noise2 = float(np.mean(np.minimum(np.diff(frames, axis=0) ** 2, NOISIEST_DN**2))) / 2
-    mean = uniform_filter1d(frames, STILL_FRAMES, axis=0, mode="nearest")
-    differing = gaussian_filter((frames - mean) ** 2, (1.0, NEAR_PIXELS, NEAR_PIXELS))
-    moving = np.clip(differing / max(noise2, 1e-6) - 1, 0, 1)
-    return scene_of(mean + moving * (frames - mean), scene.taken_us, scene.how)
+    return scene_of(calm(frames, noise2, (STILL_FRAMES,)), scene.taken_us, scene.how)
+
+
+def calm(frames: NDArray[Any], noise2: float, spans: Sequence[int] = LONGER_AND_LONGER) -> Images:
+    """Frames (M, H, W) that are the mean over the longest of `spans` (frames) over which they differ by no
+    more than noise of variance noise2 [DN^2] does, and as they were where they differ by twice that."""
+    frames = frames.astype(np.float32)
+    found: Images = frames
+    for span in spans:
+        mean = uniform_filter1d(frames, span, axis=0, mode="nearest")
+        differing = gaussian_filter((frames - mean) ** 2, (1.0, NEAR_PIXELS, NEAR_PIXELS))
+        moving = np.clip(differing / max(noise2, 1e-6) - 1, 0, 1)
+        found = mean + moving * (found - mean)
+    return found
+
+
+def frame_noise2(frames: NDArray[Any]) -> float:
+    """Variance [DN^2] of what is in one frame (of M, H, W) and not in those about it.
+
+    It makes a step up be followed by a step down: the mean product of such differences is minus the variance,
+    where motion, that goes on, adds to it. Differences above NOISIEST_DN are motion.
+    """
+    steps = np.diff(frames.astype(np.float32), axis=0)
+    small = (np.abs(steps) <= 2 * NOISIEST_DN).astype(np.float32)
+    both = small[1:] * small[:-1]
+    return max(0.0, -float((steps[1:] * steps[:-1] * both).sum() / max(both.sum(), 1.0)))
 
 
 def evened(scene: Scene) -> Scene:

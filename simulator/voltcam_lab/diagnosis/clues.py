@@ -17,6 +17,7 @@ def clues(setting: Setting, events: NDArray[np.void], row_us: float | None = Non
     seconds = float(scene.t_us[-1] - scene.t_us[0]) * 1e-6
     per_ms = np.bincount((t_us - int(scene.t_us[0])) // 1000) if t_us.size else np.zeros(1)
     start_us, exposure_us = exposure_of(setting, events)
+    start_us -= setting.parameters.latency.delay_us  # all events of the model come later by that
     return Clues(
         seconds=seconds,
         peak_rate_per_s=float(np.quantile(per_ms, 0.999)) * 1000,

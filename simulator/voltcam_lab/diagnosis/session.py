@@ -13,6 +13,7 @@ from voltcam_simulator import Camera, Parameters
 from ..battery import setting_of
 from ..grey_levels import unrounded
 from ..health import Health, examine
+from ..light_between import calm, frame_noise2
 from ..scene import Scene, scene_of
 from .catalogue import Asymmetry, Candidate, catalogue
 from .clues import clues
@@ -24,6 +25,7 @@ MOST_SAMPLES = 3_500_000  # pixels x frames, all of 60 x 60 pixels for 10 s at 1
 MOST_EVENTS = 200_000
 MOST_SECONDS = 10.0
 FEWEST_FRAMES = 10
+NOISY_DN2 = 0.15  # variance: rounding has 1/12
 _TRUSTED = 0.9
 _CLOCK_US = 4_032_000  # a multiple of all ticks a camera may have: stamps stay as divisible as they are
 
@@ -160,7 +162,10 @@ def in_columns(recording: Recording, columns: NDArray[np.int64]) -> Recording:
 
 def seen(frames: NDArray[Any], t_us: NDArray[np.int64], columns: NDArray[np.int64]) -> Scene:
     """The light between frames, by whichever way of filling in tells them best; of some columns."""
-    if np.issubdtype(frames.dtype, np.integer):
+    noise2 = frame_noise2(frames)
+    if noise2 > NOISY_DN2:
+        frames = calm(frames, noise2)
+    elif np.issubdtype(frames.dtype, np.integer):
         frames = unrounded(frames)
     cubic = scene_of(frames[:, :, columns], t_us, "cubic")
     if cubic.trusted().mean() > _TRUSTED:
