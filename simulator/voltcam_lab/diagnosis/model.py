@@ -21,6 +21,9 @@ BASE = (
     ("parasitic_photocurrent", "k5_per_dn_us"),
     ("leak_noise", "k6"),
 )
+LEAST = {"k3": 1e-6, "k4_per_us": 5e-10, "k5_per_dn_us": 1e-12, "k6": 5e-7}
+"""Too little to show in a recording of seconds. A camera file may have less, or nothing: of that, no share
+more would be anything."""
 BASE_SD = 0.5  # of the logarithm of a base parameter about what the camera file says
 SIZE_SD = 1.5  # of an effect's size about the one it was found with
 STEP = 0.15  # of a logarithm, for derivatives by runs with common noise
@@ -49,7 +52,7 @@ class Model:
         shift = self.shift if shift is None else shift
         changes: dict[str, dict[str, float]] = {}
         for (effect, name), log in zip(BASE, shift, strict=False):
-            value = getattr(getattr(self.start, effect), name)
+            value = max(getattr(getattr(self.start, effect), name), LEAST.get(name, 0.0))
             changes.setdefault(effect, {})[name] = float(value * np.exp(log))
         parameters = self.start.changed(changes)
         place = len(BASE)

@@ -1,5 +1,6 @@
 """The catalogue of effects that may be missing."""
 
+import numpy as np
 import pytest
 
 from voltcam_lab.diagnosis.catalogue import SCALED, Asymmetry, Clues, catalogue
@@ -68,3 +69,10 @@ def test_a_model_knows_its_base_and_its_effects() -> None:
 
 def test_forms_of_the_open_route_are_drifts_and_noises() -> None:
     assert {one.effect for one in forms(Parameters.of("paper"))} == {"residual_drift", "residual_noise"}
+
+
+def test_a_leak_that_a_camera_file_does_not_have_can_be_found() -> None:
+    dry = Parameters.of("paper").changed({"junction_leak": {"k4_per_us": 0}})
+    low, high = (Model(dry).parameters([0, 0, 0, log, 0, 0]).junction_leak.k4_per_us for log in (0, 2))
+    assert 0 < low < 1e-9  # an event of a pixel in more than a quarter of an hour
+    assert high == pytest.approx(low * np.exp(2))
