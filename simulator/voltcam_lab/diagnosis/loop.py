@@ -10,7 +10,7 @@ from .catalogue import Candidate
 from .model import BASE, Model, flat
 from .refit import refitted
 from .rig import Rig, Values
-from .robust import gap
+from .robust import gap, loss
 from .search import ALPHA, AS_GOOD, Step, base_fitted, step_of
 from .trial import FITTING, Trial
 from .unlisted import Residual, residual_of, residual_step
@@ -21,6 +21,8 @@ Report = Callable[[str], None]
 TOLERANCE = 0.25  # of the gap over its floor: what an explanation may leave
 OPEN = 0.25  # of the gap over its floor: what frames may leave open without anything missing
 SHARE = 0.8  # of the gap over its floor: an effect that removes so much is named though not all is explained
+LEAST_SHARE = 0.3  # the same, of an effect that removes SHARE of it where it changes anything
+MOVED = 2.0  # of the spread: what an effect changes
 HELD_OUT_SHARE = 0.3  # of the training gain, by statistic, that held-out data must confirm
 DEEPEST = 4  # effects
 
@@ -130,14 +132,25 @@ def _explained(
     after = step_of(rig, trial.model, data, _left(candidates, trial.model), steps[0])
     report(_sentence(after))
     one = Found(trial, step, _rivals(step, trial))
-    removed = 1 - _excess(after) / max(_excess(step), 1e-9)
-    if _excess(after) <= TOLERANCE or removed >= SHARE:
+    if _explains(step, after):
         return [(one, after)]
     following = _promising(after)
     if depth == 0 or not following:
         return None
     rest = _explained(rig, data, candidates, [*steps, after], following[0], report, depth - 1)
     return None if rest is None else [(one, after), *rest]
+
+
+def _explains(before: Step, after: Step) -> bool:
+    """Whether what was added closes the gap, or so much of it that it is there whatever else is: nearly all;
+    or a part that leaves little, and nearly nothing in the statistics that it moves, of which some hold a
+    wrong effect back."""
+    removed = 1 - _excess(after) / max(_excess(before), 1e-9)
+    moved = np.abs(after.screen.spread.mean - before.screen.spread.mean) / before.screen.spread.v
+    own = flat(moved) > MOVED
+    was, left = (float((loss(flat(step.rest)) - flat(step.chance))[own].sum()) for step in (before, after))
+    alone = removed >= LEAST_SHARE and left <= (1 - SHARE) * was and _excess(after) <= 2 * TOLERANCE
+    return _excess(after) <= TOLERANCE or removed >= SHARE or alone
 
 
 def _promising(step: Step) -> list[Trial]:

@@ -19,7 +19,7 @@ Events = NDArray[np.void]
 Image = tuple[NDArray[np.float32], int]
 
 LEAD_IN_US = 300_000  # for which a camera has been there before it records: light that flickers, queues
-PULSED_LEAD_IN_US = 5_000_000  # the same with pulses, which have fired by then whom they can at once
+LEAD_IN_PULSES = 60  # of the frame readout, if there are any: they have fired by then whom they can at once
 LEAD_OUT_US = 100_000  # for which it goes on, for events that are late
 PLACED = ("aps_coupling", "crosstalk", "readout", "residual_drift", "usb_overflow", "vignetting")
 """Effects to which it matters where a pixel is or what others do: they do not act on stacked sensors."""
@@ -88,8 +88,7 @@ class Rig:
         rows = slice(first * scene.height, (first + copies) * scene.height)
         simulator = Simulator(scene.width, copies * scene.height, parameters, seed=seed)
         first_image, begin_us = self._lights[0]
-        lead_in_us = PULSED_LEAD_IN_US if parameters.aps_coupling.active else LEAD_IN_US
-        simulator.advance(first_image[rows], begin_us - lead_in_us)
+        simulator.advance(first_image[rows], begin_us - _lead_in_us(parameters))
         found = [simulator.advance(image[rows], t_us) for image, t_us in self._lights]
         last_image, end_us = self._lights[-1]
         found.append(simulator.advance(last_image[rows], end_us + LEAD_OUT_US))
@@ -122,6 +121,11 @@ class Rig:
 def placed(parameters: Parameters) -> bool:
     """Whether the parameters have an effect on that is PLACED."""
     return any(getattr(parameters, name).active for name in PLACED)
+
+
+def _lead_in_us(parameters: Parameters) -> int:
+    pulses = parameters.aps_coupling
+    return max(LEAD_IN_US, round(LEAD_IN_PULSES * pulses.frame_period_us) if pulses.active else 0)
 
 
 def _batches(seeds: Sequence[int]) -> list[list[int]]:

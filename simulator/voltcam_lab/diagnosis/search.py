@@ -10,7 +10,7 @@ from .catalogue import Candidate
 from .model import HELD_OUT, TRAINING, Model, flat, spread_of
 from .refit import refitted
 from .rig import Rig, Values
-from .robust import gap
+from .robust import gap, loss
 from .screen import Screen, screen_of
 from .trial import COARSE, FITTING, Bench, Trial, from_file
 
@@ -29,10 +29,13 @@ AS_GOOD = 15.0  # of training loss: rivals that are no worse are not told apart
 class Step:
     """Where the search stands: gaps of the model in training and held-out parts, what chance alone would
     leave (floors), the score test, the least gain of training loss that counts, and the trials, best first:
-    none where gains are within chance or next to nothing."""
+    none where gains are within chance or next to nothing. rest: (PARTS, n) deviations that base parameters do
+    not take up; chance: the mean loss of twins, by statistic."""
 
     model: Model
     screen: Screen
+    rest: Values
+    chance: Values
     training: float
     held_out: float
     floor_training: float
@@ -71,16 +74,14 @@ def step_of(
         chosen += [index for index in _nearest(rig, screen, data, training) if index not in chosen]
     bench = Bench(rig, screen, data, rest)
     trials = [bench.tried(index, float(gains[index])) for index in chosen]
-    z = [(twin - spread.mean) / spread.v for twin in spread.twins]
-    floor_training, floor_held_out = (
-        float(np.mean([gap(flat(one, parts)) for one in z])) for parts in (TRAINING, HELD_OUT)
-    )
+    chance = np.mean([loss((twin - spread.mean) / spread.v) for twin in spread.twins], axis=0)
+    floor_training, floor_held_out = (float(flat(chance, parts).mean()) for parts in (TRAINING, HELD_OUT))
     if trials:
         best = max(trials, key=lambda trial: trial.gained)
         trials[trials.index(best)] = bench.judged(best.candidate, best.model, best.gain, rounds=3)
     return Step(
-        model, screen, training, gap(flat(rest, HELD_OUT)), floor_training, floor_held_out, gains,
-        p_value, least, tuple(sorted(trials, key=lambda trial: -trial.gained)),
+        model, screen, rest, chance, training, gap(flat(rest, HELD_OUT)), floor_training, floor_held_out,
+        gains, p_value, least, tuple(sorted(trials, key=lambda trial: -trial.gained)),
     )  # fmt: skip
 
 
