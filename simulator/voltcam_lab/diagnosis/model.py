@@ -55,13 +55,19 @@ class Model:
             value = max(getattr(getattr(self.start, effect), name), LEAST.get(name, 0.0))
             changes.setdefault(effect, {})[name] = float(value * np.exp(log))
         parameters = self.start.changed(changes)
-        place = len(BASE)
-        for candidate, size in self.accepted:
-            logs = shift[place : place + len(size)]
-            moved = tuple(one * float(np.exp(log)) for one, log in zip(size, logs, strict=True))
-            parameters = candidate.on(parameters, within(candidate, moved))
-            place += len(size)
+        moved = replace(self, shift=tuple(shift))
+        for (candidate, _), size in zip(self.accepted, moved.sizes(), strict=True):
+            parameters = candidate.on(parameters, within(candidate, size))
         return parameters
+
+    def sizes(self) -> list[tuple[float, ...]]:
+        """Of the accepted effects, as fitted."""
+        found, place = [], len(BASE)
+        for _, size in self.accepted:
+            logs = self.shift[place : place + len(size)]
+            found.append(tuple(one * float(np.exp(log)) for one, log in zip(size, logs, strict=True)))
+            place += len(size)
+        return found
 
     def with_effect(self, candidate: Candidate, size: tuple[float, ...]) -> "Model":
         """The same and one effect more."""

@@ -12,7 +12,7 @@ from .robust import fitted, gap
 
 FURTHEST = 0.8  # of a logarithm, in one step
 LENGTHS = (1.0, 0.4, 0.1)  # of a step, until one of them leads down
-SIZES = (0.5, -0.5)  # of a logarithm: an effect's size is tried that much larger and smaller
+SIZES = (0.15, -0.15, 0.5, -0.5)  # of a logarithm: an effect's size is tried that much larger and smaller
 LITTLE = 0.005  # of the gap: less is not worth another step
 
 
@@ -74,16 +74,19 @@ class _Fit:
         return best
 
     def sized(self, best: Place, columns: NDArray[np.float64]) -> Place:
-        """By other sizes of each effect, the base parameters where straight lines have them then."""
+        """By other sizes of each effect, with base parameters as they are or where straight lines have them
+        then."""
         base = len(BASE)
         for k in range(base, columns.shape[1]):
             for step in SIZES:
-                move = np.zeros(columns.shape[1])
+                alone, followed = np.zeros((2, columns.shape[1]))
+                alone[k] = followed[k] = step
                 z = self.z(best.mean) - columns[:, k] * step
                 follow = fitted(z, columns[:, :base], best.model.prior_sd[:base]).x
-                move[:base], move[k] = np.clip(follow, -FURTHEST, FURTHEST), step
-                other = self.place(best.model, move)
-                if other.gap < best.gap - LITTLE:
-                    best = other
+                followed[:base] = np.clip(follow, -FURTHEST, FURTHEST)
+                tries = (self.place(best.model, move) for move in (alone, followed))
+                lower = next((one for one in tries if one.gap < best.gap - LITTLE), None)
+                if lower is not None:
+                    best = lower
                     break
         return best

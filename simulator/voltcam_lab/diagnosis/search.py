@@ -78,7 +78,7 @@ def step_of(
     floor_training, floor_held_out = (float(flat(chance, parts).mean()) for parts in (TRAINING, HELD_OUT))
     if trials:
         best = max(trials, key=lambda trial: trial.gained)
-        trials[trials.index(best)] = bench.judged(best.candidate, best.model, best.gain, rounds=3)
+        trials[trials.index(best)] = bench.settled(best)
     return Step(
         model, screen, rest, chance, training, gap(flat(rest, HELD_OUT)), floor_training, floor_held_out,
         gains, p_value, least, tuple(sorted(trials, key=lambda trial: -trial.gained)),

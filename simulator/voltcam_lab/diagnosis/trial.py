@@ -79,6 +79,15 @@ class Bench:
             gap(flat(before)) - training, gap(flat(before, HELD_OUT)) - held_out,
         )  # fmt: skip
 
+    def settled(self, best: Trial) -> Trial:
+        """The trial fitted to the end: from where it is, and anew from the size nearest to it and the base
+        without it, since either may stop in a valley of its own."""
+        one, found = best.candidate, best.model.sizes()[-1]
+        nearest = min(one.sizes, key=lambda size: abs(np.log(np.abs(size[0] / found[0]))))
+        starts = (best.model, self.screen.model.with_effect(one, nearest))
+        fits = [self.judged(one, start, best.gain, rounds=3) for start in starts]
+        return max(fits, key=lambda fit: fit.gained)
+
 
 def from_file(model: Model) -> Model:
     """The model with base parameters as in the camera file."""

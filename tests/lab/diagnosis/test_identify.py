@@ -33,8 +33,8 @@ def test_the_hidden_effect_is_far_above_the_smallest_size_that_shows(done: Done)
 
 def test_the_gain_at_the_smallest_size_is_what_chance_reaches(done: Done) -> None:
     screen = done.diagnosis.steps[0].screen
-    size = next(one.size for one in detectable(screen) if one.effect == "dead_pixels")
-    one = next(one for one in screen.signatures if one.candidate.effect == "dead_pixels")
+    size = next(one.size for one in detectable(screen) if one.effect == "vignetting")
+    one = next(one for one in screen.signatures if one.candidate.effect == "vignetting")
     assert size is not None
     z = size / one.size[0] * flat(one.column)
     gain = screen.with_effect(z, one).gain - screen.own(z).gain
