@@ -91,6 +91,7 @@ def catalogue(clues: Clues) -> tuple[Candidate, ...]:
         "row_us": clues.row_us,
         "offset_us": clues.exposure_start_us - clues.rows * clues.row_us,
     }
+    scans = ((0.03, 0.03), (-0.03, -0.03))
     usb = {"buffer_events": 64}
     return (
         Candidate("refractory_period", **_one("period_us", 700, 3000)),
@@ -98,8 +99,7 @@ def catalogue(clues: Clues) -> tuple[Candidate, ...]:
         Asymmetry("comparator", **_one("ratio", 1.15, 1 / 1.15)),
         Candidate("flicker", **_one("depth", 0.02, 0.05), others={"frequency_hz": clues.flicker_hz}),
         Candidate("aps_coupling", **_one("exposure_kick", 0.03, -0.03), others=scan),
-        Candidate("aps_coupling", **_one("readout_kick", 0.03, -0.03), others=scan),
-        Candidate("aps_coupling", **_one("reset_kick", 0.03, -0.03), others=scan),
+        Candidate("aps_coupling", ("readout_kick", "reset_kick"), scans, others=scan),
         Candidate("latency", ("delay_us", "jitter_us"), ((200, 200), (1200, 1200))),
         Candidate("latency", **_one("delay_us", 1000, -1000)),
         Candidate("readout", **_one("event_us", 20, 60)),
