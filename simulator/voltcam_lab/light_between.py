@@ -38,13 +38,13 @@ def calmed(scene: Scene) -> Scene:
 def calm(frames: NDArray[Any], noise2: float, spans: Sequence[int] = LONGER_AND_LONGER) -> Images:
     """Frames (M, H, W) that are the mean over the longest of `spans` (frames) over which they differ by no
     more than noise of variance noise2 [DN^2] does, and as they were where they differ by twice that."""
-    frames = frames.astype(np.float32)
-    found: Images = frames
+    found: Images = frames.astype(np.float32)
+    frames = found
     for span in spans:
         mean = uniform_filter1d(frames, span, axis=0, mode="nearest")
         differing = gaussian_filter((frames - mean) ** 2, (1.0, NEAR_PIXELS, NEAR_PIXELS))
         moving = np.clip(differing / max(noise2, 1e-6) - 1, 0, 1)
-        found = mean + moving * (found - mean)
+        found = np.asarray(mean + moving * (found - mean), np.float32)
     return found
 
 
