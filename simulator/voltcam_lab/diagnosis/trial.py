@@ -20,7 +20,7 @@ SCATTERS = 2.0  # times the spread without the effect
 @dataclass(frozen=True, eq=False)
 class Trial:
     """An effect fitted to the data: the gaps it leaves in training and held-out parts, and by how much it
-    lessens them. gain: of the score test."""
+    lessens them, less what its own scatter costs. gain: of the score test."""
 
     candidate: Candidate
     model: Model
@@ -64,7 +64,8 @@ class Bench:
         """An effect fitted from `start` on.
 
         Few hot pixels scatter more than all twins without any: where an effect brings a scatter of its own,
-        deviations before and after count in units of that.
+        what it leaves counts in units of that, and the logarithm of the scatter is added, as in a likelihood:
+        else the widest would explain most.
         """
         v = self.screen.spread.v
         model, mean = refitted(self.rig, start, self.data, v, FITTING, rounds)
@@ -72,12 +73,13 @@ class Bench:
         wide = np.where(sd > SCATTERS * v, sd, v)
         if np.mean(wide > v) > 0.02:
             model, mean = refitted(self.rig, model, self.data, wide, FITTING, rounds)
-        before, after = self.rest * v / wide, (self.data - mean) / wide
+        after, wider = (self.data - mean) / wide, np.log(wide / v)
         training, held_out = (gap(flat(after, parts)) for parts in (TRAINING, HELD_OUT))
-        return Trial(
-            candidate, model, gain, training, held_out,
-            gap(flat(before)) - training, gap(flat(before, HELD_OUT)) - held_out,
-        )  # fmt: skip
+        gained, confirmed = (
+            gap(flat(self.rest, parts)) - left - float(flat(wider, parts).mean())
+            for parts, left in ((TRAINING, training), (HELD_OUT, held_out))
+        )
+        return Trial(candidate, model, gain, training, held_out, gained, confirmed)
 
     def settled(self, best: Trial) -> Trial:
         """The trial fitted to the end: from where it is, and anew from the size nearest to it and the base
