@@ -41,6 +41,7 @@ LARGEST = {"threshold_spread": 0.5, "leak_spread": 1.0, "reset_spread": 0.5}
 """What may be larger only because something else is wrong: spreads take in whatever is not understood."""
 
 LEAST_SIGMA = 1e-8
+LEAST_SPEED = 1e-10
 OUTLIER = 0.01
 """Share of the intervals whose missing event is not held against the model: light the frames do not show."""
 
@@ -51,6 +52,7 @@ class Terms:
 
     rise: Vector  # M in the direction of the end (of ON where none was seen)
     speed: Vector  # its slope there [1/us]
+    leak_speed: Vector  # the part of `speed` that the leak made
     wiener: Vector  # S
     wiener_rate: Vector  # sigma^2 at the end [1/us]
     error: Vector  # E
@@ -80,6 +82,7 @@ def terms(seen: Intervals, dead_us: float, p: Mapping[str, float]) -> Terms:
     return Terms(
         rise=side * (k1 * (np.log(after + k2) - dark) + leaked),
         speed=side * (k1 * seen["slope"] / (after + k2) + leak_rate),
+        leak_speed=side * leak_rate,
         wiener=rate * free_us,
         wiener_rate=rate,
         error=error,
@@ -130,7 +133,7 @@ class Likelihood:
         t = terms(self.seen, self.dead_us, p)
         passed = self.weights * (self._log_density(t, p) + self._not_other(t, p))
         each = np.concatenate([passed, self._log_survival(t, p)])
-        spread = np.bincount(self._pixel_of_group, self._own(t, p)[1], minlength=len(self.pixels))
+        spread = np.bincount(self._pixel_of_group, self._own(t, p)[2], minlength=len(self.pixels))
         own = np.bincount(self._pixel, each, minlength=len(self.pixels))
         return np.asarray(own + spread, np.float64)
 
@@ -138,12 +141,19 @@ class Likelihood:
         """ln p(t) of the intervals with an event, without what their pixel has in common."""
         n = self.events
         x, variance = (t.theta - t.rise)[:n], (t.wiener + t.error)[:n]
-        speed = t.speed[:n] + t.wiener_rate[:n] * (x - self._own(t, p)[0]) / variance
-        return np.log(np.maximum(speed, 1e-10)) - 0.5 * (np.log(2 * np.pi * variance) + x * x / variance)
+        speed = self._speed(t, p, x, variance)
+        return np.log(speed) - 0.5 * (np.log(2 * np.pi * variance) + x * x / variance)
 
-    def _own(self, t: Terms, p: Mapping[str, float]) -> tuple[Vector, Vector]:
-        """The part of each x (events,) that is the pixel's own, and what that adds to each group's log
-        density.
+    def _speed(self, t: Terms, p: Mapping[str, float], x: Vector, variance: Vector) -> Vector:
+        """How fast the pixels, each with its own leak, come upon the barrier."""
+        own, less_leak, _ = self._own(t, p)
+        n = self.events
+        speed = t.speed[:n] - less_leak * t.leak_speed[:n] + t.wiener_rate[:n] * (x - own) / variance
+        return np.asarray(np.maximum(speed, LEAST_SPEED))
+
+    def _own(self, t: Terms, p: Mapping[str, float]) -> tuple[Vector, Vector, Vector]:
+        """The part of each x (events,) that is the pixel's own, the share by which its leak is less than
+        others' (events,), and what that adds to each group's log density.
 
         With x = u a + v b + noise, a ~ N(0, m^2) and b ~ N(0, s^2) common to a pixel: a two-by-two system.
         """
@@ -158,7 +168,7 @@ class Likelihood:
         determinant = uu * vv - uv * uv
         a, b = (vv * ux - uv * vx) / determinant, (uu * vx - uv * ux) / determinant
         spread = 0.5 * (a * ux + b * vx) - 0.5 * np.log(determinant * m2 * s2)
-        return u * a[g] + v * b[g], spread
+        return u * a[g] + v * b[g], b[g], spread
 
     def _width(self, t: Terms, p: Mapping[str, float]) -> Vector:
         own = (p["threshold_spread"] * t.theta) ** 2 + (p["leak_spread"] * t.leaked) ** 2
@@ -187,7 +197,7 @@ class Likelihood:
         n = self.events
         variance = (t.wiener + t.error)[:n]
         rest = (t.theta - t.rise)[:n] - self._own(t, p)[0]
-        speed = np.maximum(t.speed[:n] + t.wiener_rate[:n] * rest / variance, 1e-10)
+        speed = self._speed(t, p, (t.theta - t.rise)[:n], variance)
         own = speed * np.exp(-0.5 * rest**2 / variance) / np.sqrt(2 * np.pi * variance)
         off = (self.seen["end"][:n] < 0).astype(np.intp)
         stray = self.stray_per_us[off] * np.exp(self._not_other(t, p))

@@ -130,6 +130,16 @@ def test_the_lag_is_that_of_the_pixel() -> None:
     assert numbers["uncertainty_us"] < 5000
 
 
+def test_leak_where_the_light_moves_does_not_hide_the_clock() -> None:
+    """It may be many times that of the pixels at rest, where these are dark."""
+    rng, recording = np.random.default_rng(2), healthy()
+    t_us = START_US + rng.integers(0, 4_000_000, 60_000)
+    x, y = rng.integers(WIDTH // 2, WIDTH, t_us.size), rng.integers(0, HEIGHT, t_us.size)
+    health = examine(with_events(recording, some_events(t_us, x, y, True)))
+    assert health.usable
+    assert health["clock"].numbers["lag_us"] == pytest.approx(LATENCY_US, abs=3000)
+
+
 def test_events_of_another_scene() -> None:
     recording = healthy()
     events = recording.events.copy()

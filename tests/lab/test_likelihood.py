@@ -73,6 +73,32 @@ def test_what_a_pixel_keeps_is_integrated_over() -> None:
     assert found == pytest.approx(slow, abs=0.06)  # its speed has the likeliest threshold's instead of each
 
 
+def test_a_pixels_own_leak_counts_in_its_speed() -> None:
+    """As above, with a leak that differs: what leaks less takes longer over each stretch."""
+    spread = 0.05
+    t_us = np.array([1.8e6, 1.9e6, 2.0e6])
+    seen = at_rest(t_us)
+    seen["pixel"] = 0
+    (found,) = Likelihood(seen, 0.0).parts(SURE | {"leak_spread": spread})
+    less = np.linspace(-6, 6, 4001) * spread
+    own = np.exp(-0.5 * (less / spread) ** 2) / np.sqrt(2 * np.pi) / spread
+    t, leak = t_us[:, None], LEAK * (1 - less)
+    density = np.exp(-0.5 * (1 - leak * t) ** 2 / (SIGMA**2 * t)) / np.sqrt(2 * np.pi * SIGMA**2 * t**3)
+    slow = np.log(np.trapezoid(np.prod(density, axis=0) * own, less))
+    assert found == pytest.approx(slow, abs=0.06)
+
+
+def test_a_pixel_without_threshold_and_leak_explains_nothing() -> None:
+    """With both at 0, any interval would fit exactly: intervals that differ must stay noise."""
+    t_us = (1 + 0.01 * np.random.default_rng(0).standard_normal(2000)) / LEAK
+    seen = at_rest(t_us)
+    seen["pixel"] //= 20
+    likelihood = Likelihood(seen, 0.0)
+    alike = SURE | {"k3": 1e-9, "k6": 0.01 * LEAK**0.5}
+    odd = SURE | {"k3": 1e-9, "k6": 1e-7, "threshold_spread": 0.5, "leak_spread": 0.5}
+    assert likelihood.parts(odd).sum() < likelihood.parts(alike).sum()
+
+
 def test_stray_events_lose_their_weight() -> None:
     lengths = np.concatenate([np.full(200, 1 / LEAK), np.full(10, 1000.0)])
     likelihood = Likelihood(at_rest(lengths), 0.0)

@@ -11,7 +11,7 @@ from .model import BASE, Model, flat
 from .refit import refitted
 from .rig import Rig, Values
 from .robust import gap, loss
-from .search import ALPHA, AS_GOOD, Step, base_fitted, step_of
+from .search import ALPHA, AS_GOOD, LEFT_BEHIND, Step, base_fitted, step_of
 from .trial import FITTING, Trial
 from .unlisted import Residual, residual_of, residual_step
 
@@ -132,7 +132,7 @@ def _explained(
     after = step_of(rig, trial.model, data, _left(candidates, trial.model), steps[0])
     report(_sentence(after))
     one = Found(trial, step, _rivals(step, trial))
-    if _explains(step, after):
+    if _explains(step, after, steps[0]):
         return [(one, after)]
     following = _promising(after)
     if depth == 0 or not following:
@@ -141,27 +141,33 @@ def _explained(
     return None if rest is None else [(one, after), *rest]
 
 
-def _explains(before: Step, after: Step) -> bool:
+def _explains(before: Step, after: Step, first: Step) -> bool:
     """Whether what was added closes the gap, or so much of it that it is there whatever else is: nearly all;
     or a part that leaves little, and nearly nothing in the statistics that it moves, of which some hold a
-    wrong effect back."""
+    wrong effect back. Effects found since the first step may have left something, too."""
+    closed = TOLERANCE + LEFT_BEHIND * (_excess(first) - _excess(before))
     removed = 1 - _excess(after) / max(_excess(before), 1e-9)
     moved = np.abs(after.screen.spread.mean - before.screen.spread.mean) / before.screen.spread.v
     own = flat(moved) > MOVED
     was, left = (float((loss(flat(step.rest)) - flat(step.chance))[own].sum()) for step in (before, after))
-    alone = removed >= LEAST_SHARE and left <= (1 - SHARE) * was and _excess(after) <= 2 * TOLERANCE
-    return _excess(after) <= TOLERANCE or removed >= SHARE or alone
+    part = removed >= LEAST_SHARE and _excess(after) <= 2 * TOLERANCE
+    alone = part and was > 0 and left <= (1 - SHARE) * was
+    return _excess(after) <= closed or removed >= SHARE or alone
 
 
 def _promising(step: Step) -> list[Trial]:
-    """Trials that stand: beyond chance over the whole catalogue, worth it, and confirmed on held-out data."""
-    n = step.screen.spread.mean.shape[1]
+    """Trials that stand: beyond chance over the whole catalogue, worth it, and confirmed on held-out data.
+
+    The gap there may be smaller, of a few hot pixels: no more than that can be confirmed.
+    """
+    n, gap_there = step.screen.spread.mean.shape[1], step.held_out - step.floor_held_out
     if step.p_value > ALPHA:
         return []
     stand = []
     for trial in step.trials:
         enough = 3 * n * trial.gained > step.least
-        if enough and trial.confirmed > HELD_OUT_SHARE * trial.gained:
+        possible = min(trial.gained, max(gap_there, 0.5 * trial.gained))
+        if enough and trial.confirmed > HELD_OUT_SHARE * possible:
             stand.append(trial)
     return stand
 

@@ -64,17 +64,12 @@ def find_lag(subject: Subject) -> Lag:
 
 
 def threshold_of(subject: Subject) -> float:
-    """The change of ln L for which the frames give as many events as there are where the light moves, less
-    those that come at rest too; from every fourth column."""
+    """The change of ln L for which the frames give as many events as there are where the light moves: twice
+    those of the rarer polarity, since a leak makes only ON; from every fourth column."""
     assert subject.recording.frames is not None
-    fourth = subject.recording.events["x"] % 4 == 0
-    seconds = (np.diff(subject.light.t_us) / 1e6).astype(np.float32)
-    rest_s = float(np.einsum("t,thw->", seconds, subject.light.at_rest[..., ::4]))
-    all_s = float(seconds.sum()) * subject.light.at_rest[0, :, ::4].size
-    at_rest = np.count_nonzero(fourth & subject.at_rest)
-    moving = np.count_nonzero(fourth & ~subject.at_rest & (subject.interval >= 0))
-    leaked = at_rest / rest_s * (all_s - rest_s) if rest_s > 0.05 * all_s else 0.0
-    count = max(1.0, moving - leaked)
+    chosen = (subject.recording.events["x"] % 4 == 0) & ~subject.at_rest & (subject.interval >= 0)
+    moving, on = np.count_nonzero(chosen), np.count_nonzero(chosen & subject.on)
+    count = max(1.0, 2.0 * min(on, moving - on))
     levels = np.log(subject.recording.frames[..., ::4].astype(np.float32) + DARK_DN)
     low, high = 0.01, 3.0
     for _ in range(9):
