@@ -2,14 +2,17 @@
 
 For an instant t in 0..1 between V0 and V1, at a pixel x with velocity v (pixels per interval),
 
-    V(x, t) = (1 - w) V0(x - t v) + w V1(x + (1 - t) v)
+    l(x, t) = (1 - w) l0(x - t v) + w l1(x + (1 - t) v),    l = ln(V + DARK_DN)
 
 - v: the flows F01 and F10 say where each frame's pixels go. By the first frame v is F01 at the place that
   comes to x, x - t F01(x) to first order; by the second likewise; 1 - t of the one and t of the other.
 - w is t, but less where the second frame does not show what is at x, and more where the first does not: it
   leaves the image, or is covered, so that the other flow does not lead back (forward-backward check).
 - Where the warped frames are no more alike than the frames as they are, flow means nothing, and the value is
-  (1 - t) V0(x) + t V1(x). Alike is meant in structure: local means are free, so brightness may change.
+  (1 - t) l0(x) + t l1(x). Alike is meant in structure: local means are free, so brightness may change.
+
+Logarithms are blended since pixels see these: of grey levels, what does not quite match would first brighten,
+where it is dark, and then darken again; once a frame, ON events and then OFF ones that no camera gives.
 
 It goes to V0 as t goes to 0 and to V1 as t goes to 1, smoothly: a jump at a real frame would be false events.
 
@@ -65,6 +68,7 @@ class Motion:
     def __init__(self, v0: Image, v1: Image) -> None:
         self._v0: Plane = v0.astype(np.float32)
         self._v1: Plane = v1.astype(np.float32)
+        self._log0, self._log1 = (np.log(v + np.float32(DARK_DN)) for v in (self._v0, self._v1))
         rows, columns = v0.shape
         # Flow is no finer than half the resolution, so all but the last warp happens there.
         self._half = (columns + 1) // 2, (rows + 1) // 2
@@ -91,10 +95,11 @@ class Motion:
         weight = self._grown(share1 / (share0 + share1))
         trust = self._grown(before * trust0 + after * trust1)
         grid = _grid(self._v0.shape)
-        moved0, moved1 = _warp(self._v0, grid - after * velocity), _warp(self._v1, grid + before * velocity)
-        still = self._v0 + after * (self._v1 - self._v0)
-        image: NDArray[np.float32] = still + trust * (moved0 + weight * (moved1 - moved0) - still)
-        return image
+        moved0 = _warp(self._log0, grid - after * velocity)
+        moved1 = _warp(self._log1, grid + before * velocity)
+        still = self._log0 + after * (self._log1 - self._log0)
+        log = still + trust * (moved0 + weight * (moved1 - moved0) - still)
+        return np.asarray(np.maximum(np.exp(log) - np.float32(DARK_DN), 0), np.float32)
 
     def _tried(self, flow: Plane, back: Plane, here: Plane, there: Plane) -> "_Tried":
         """The flow of the half-resolution image `here`, tried against `there` and the flow from it back."""

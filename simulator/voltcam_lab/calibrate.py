@@ -68,7 +68,8 @@ def calibrate(reading: Reading, seed: int = 0, report: Report = lambda step: Non
     seen = sample.intervals(dead_us, delay_us)
     found = fit(seen, dead_us, reading.scene.width, start, sample.waits())
     log, twin_sd = unbiased(sample, found, dead_us, delay_us, seed, report)
-    sd = _spread(log, twin_sd, found)
+    untold = 1 - float(reading.scene.trusted().mean())
+    sd = _spread(log, twin_sd, found, untold)
     scale = sd / np.sqrt(np.diag(found.covariance))
     noise = noise_of(log, found.covariance * np.outer(scale, scale))
     values = named(log) | {"k3": noise.value[0], "k6": noise.value[1]}
@@ -84,12 +85,17 @@ def calibrate(reading: Reading, seed: int = 0, report: Report = lambda step: Non
     )
 
 
-def _spread(log: NDArray[np.float64], twin_sd: NDArray[np.float64], found: Fit) -> NDArray[np.float64]:
+def _spread(
+    log: NDArray[np.float64], twin_sd: NDArray[np.float64], found: Fit, untold: float
+) -> NDArray[np.float64]:
     """(k,) standard deviations of the log parameters, such that NORMAL_90 of them make the interval.
 
     The larger of what twins have, few as they are, and what the recording's own likelihood and tiles have;
-    and a part of the correction itself.
+    and a part of the correction itself. untold: share of the light that frames do not tell of, wherever it
+    may lead those who see it, all of them the same way. Twins, whose light is as smooth as that between the
+    recording's frames, are not led astray by it: with a third of it untold, errors are a third larger.
     """
     quantile = float(student.ppf(0.95, TWINS[-1] - 1)) / NORMAL_90
-    spread = np.hypot(np.maximum(twin_sd * quantile, found.sd), UNSURE * (log - found.log))
+    own = (1 + untold) * np.maximum(twin_sd * quantile, found.sd)
+    spread = np.hypot(own, UNSURE * (log - found.log))
     return np.asarray(np.minimum(spread, PRIOR.sd))

@@ -20,7 +20,7 @@ from voltcam_lab.calibrate import Calibration, Reading, calibrate, scene_between
 from voltcam_lab.estimates import Estimate
 
 NAMES = {"k2_dn": "k2", "k4_per_us": "k4", "k5_per_dn_us": "k5"}
-FIRST_SEED = 200
+FIRST_SEED = 300
 RATES = {240: 20, 100: 10, 25: 20}  # frames a second: recordings
 KEPT = Path("results/calibration.jsonl")
 PAGE = Path("docs/calibration.md")

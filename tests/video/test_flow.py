@@ -147,7 +147,17 @@ def test_light_and_noise_are_no_motion(scene: Scene, noise_dn: float) -> None:
     v0, v1 = seen(scene, 0, noise_dn), seen(scene, 1, noise_dn)
     assert frames_between(v0, v1, "auto") == []
     middle = frames_between(v0, v1, 2)[0].image
-    assert np.abs(middle - (v0.astype(np.float64) + v1) / 2).mean() < 0.3
+    half_way = np.sqrt((v0 + 20.0) * (v1 + 20.0)) - 20  # of ln(V + 20), which is what pixels see
+    assert np.abs(middle - half_way).mean() < 0.3
+
+
+def test_what_does_not_match_makes_no_events_and_takes_them_back() -> None:
+    """Of two unrelated images, on average of ln(V + 20), nothing rises that then falls again."""
+    v0, v1 = (np.rint(texture(seed, 6)(X, Y)).clip(0, 255) for seed in (3, 4))
+    images = [frame.image for frame in frames_between(v0.astype(np.uint8), v1.astype(np.uint8), 8)]
+    path = np.array([np.log(image + 20.0).mean() for image in (v0, *images, v1)])
+    straight = np.linspace(path[0], path[-1], len(path))
+    assert np.abs(path - straight).max() < 0.01
 
 
 @pytest.mark.parametrize(("scene", "longest"), [(changing_scene, 1.5), (flat, 1.3)])

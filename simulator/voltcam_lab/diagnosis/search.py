@@ -22,7 +22,7 @@ WORTH_TRYING = 0.25  # of the largest gain in the score test
 LEAST_GAIN = 30.0  # of training loss: less could be the light between frames
 LEFT_BEHIND = 0.04  # of the training loss explained so far: what an effect may leave that has another form
 FAR = 2.0  # a gap, eight times what chance leaves, from which the score test alone says little
-NEARLY = 0.7  # of the best: what seems that good is fitted as well as the best
+NEARLY = 0.7  # of the best: what seems that good is fitted a second time
 AS_GOOD = 15.0  # of training loss: rivals that are no worse are not told apart
 
 
@@ -77,11 +77,12 @@ def step_of(
     trials = [bench.tried(index, float(gains[index])) for index in chosen]
     chance = np.mean([loss((twin - spread.mean) / spread.v) for twin in spread.twins], axis=0)
     floor_training, floor_held_out = (float(flat(chance, parts).mean()) for parts in (TRAINING, HELD_OUT))
-    most = max((trial.gained for trial in trials), default=0.0)
-    trials = [
-        bench.settled(one) if one.gained > NEARLY * most or one.gain > NEARLY * gains.max() else one
-        for one in trials
-    ]
+    if trials:
+        most = max(trial.gained for trial in trials)
+        seem = [one.gained > NEARLY * most or one.gain > NEARLY * gains.max() for one in trials]
+        trials = [bench.anew(one) if good else one for one, good in zip(trials, seem, strict=True)]
+        best = max(trials, key=lambda trial: trial.gained)
+        trials[trials.index(best)] = bench.settled(best)
     return Step(
         model, screen, rest, chance, training, gap(flat(rest, HELD_OUT)), floor_training, floor_held_out,
         gains, p_value, least, tuple(sorted(trials, key=lambda trial: -trial.gained)),

@@ -81,14 +81,24 @@ class Bench:
         )
         return Trial(candidate, model, gain, training, held_out, gained, confirmed)
 
+    def anew(self, trial: Trial) -> Trial:
+        """The trial, or the effect fitted from the size nearest to it and the base without it, if that is
+        better: either may stop in a valley of its own."""
+        return max(trial, self.judged(trial.candidate, self._start(trial), trial.gain), key=_gained)
+
     def settled(self, best: Trial) -> Trial:
-        """The trial fitted to the end: from where it is, and anew from the size nearest to it and the base
-        without it, since either may stop in a valley of its own."""
-        one, found = best.candidate, best.model.sizes()[-1]
+        """The trial fitted to the end: from where it is, and anew."""
+        starts = (best.model, self._start(best))
+        return max((self.judged(best.candidate, one, best.gain, rounds=3) for one in starts), key=_gained)
+
+    def _start(self, trial: Trial) -> Model:
+        one, found = trial.candidate, trial.model.sizes()[-1]
         nearest = min(one.sizes, key=lambda size: abs(np.log(np.abs(size[0] / found[0]))))
-        starts = (best.model, self.screen.model.with_effect(one, nearest))
-        fits = [self.judged(one, start, best.gain, rounds=3) for start in starts]
-        return max(fits, key=lambda fit: fit.gained)
+        return self.screen.model.with_effect(one, nearest)
+
+
+def _gained(trial: Trial) -> float:
+    return trial.gained
 
 
 def from_file(model: Model) -> Model:

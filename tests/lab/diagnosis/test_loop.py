@@ -6,6 +6,7 @@ import pytest
 from voltcam_lab.diagnosis.loop import Diagnosis, diagnose
 from voltcam_lab.diagnosis.model import Model
 from voltcam_lab.diagnosis.rig import Values
+from voltcam_simulator import Parameters
 
 from .made_rig import CATALOGUE, DEAD, DEAD_TIME, MISMATCH, PATTERNS, START, MadeRig, response
 
@@ -47,6 +48,20 @@ def test_what_held_out_data_do_not_confirm_is_not_named() -> None:
     data[:3] += 2.5 * PATTERNS[6][:3]  # a dead time, in the training parts only
     found = asked(data)
     assert "refractory_period" not in [each.effect for each in found.found]
+
+
+def test_an_effect_of_which_the_held_out_pixels_have_less_is_named() -> None:
+    """Few pixels are hot, and it is by chance in which part of the array these are."""
+
+    def half_there(parameters: Parameters) -> Values:
+        seen = response(parameters)
+        seen[3] -= 0.5 * (100 * parameters.dead_pixels.fraction) * PATTERNS[8][3]
+        return seen
+
+    rig = MadeRig(half_there)
+    data = half_there(DEAD.on(BASE, (0.02,))) + rig.noise(4711)
+    found = diagnose(rig, data, Model(START), CATALOGUE, lambda _: None)
+    assert [each.effect for each in found.found] == ["dead_pixels"]
 
 
 def test_the_same_data_give_the_same_verdict() -> None:
