@@ -21,8 +21,9 @@ def main() -> int:
     parser.add_argument("--cases", default="*", help="a pattern of case names, such as 'singles/flicker/*'")
     parser.add_argument("--jobs", type=int, default=2, help="processes at a time")
     arguments = parser.parse_args()
-    results = ROOT / "results" / "hidden-effects"
-    file = results / f"{arguments.seed}.jsonl"
+    reported = arguments.seed >= REPORTED_FROM
+    target = ROOT / ("docs/hidden-effects.md" if reported else f"results/hidden-effects/{arguments.seed}.md")
+    file = target.with_suffix(".jsonl")
     cases = grid(arguments.seed)
     wanted = [case for case in cases if fnmatchcase(case.name, arguments.cases)]
     if not wanted:
@@ -36,8 +37,6 @@ def main() -> int:
                 bar.update()
     except KeyboardInterrupt:
         status = 130
-    reported = arguments.seed >= REPORTED_FROM
-    target = ROOT / "docs" / "hidden-effects.md" if reported else file.with_suffix(".md")
     target.write_text(page(cases, read(file), arguments.seed), encoding="utf-8")
     again = ", the same call goes on" if status else ""
     sys.stderr.write(f"verdicts: {file.relative_to(ROOT)}, page: {target.relative_to(ROOT)}{again}\n")

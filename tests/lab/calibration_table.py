@@ -47,8 +47,8 @@ READ = """## Read with care
   which leaks ten times as much, 5 and 7 %; of that one, 18 and 33 % if its reset noise is not known to be
   absent, which it was not here. They go down with the root of the time recorded.
 - The same pixels at rest show noise at 25 frames a second as well as at 240: it is k1, k2 and the thresholds
-  that frames far apart leave open. Their intervals are too narrow there: twins, in whose light motion is as
-  smooth as between the recording's frames, do not show all that frames leave out.
+  that frames far apart leave open. Twins, in whose light motion is as smooth as between the recording's
+  frames, do not show all of that: intervals are wider by the share of the light that frames do not tell of.
 - At 25 frames a second these small recordings do not tell a delay of less than about 5 ms from none: 0 is
   then given. Dead times of 0.7 and 2 ms show at 240 and not at 25.
 """
