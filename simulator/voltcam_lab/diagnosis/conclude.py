@@ -94,7 +94,14 @@ def sentence(diagnosis: Diagnosis, first: View, last: View) -> str:
             f" ({last.floor:.2f})."
         )
     chance = "" if first is not last else f", chance alone would leave {last.floor:.2f}"
-    return f"Something is missing, and nothing in the catalogue explains it: {gap}{chance}.{form}"
+    best = diagnosis.steps[0].trials[:1]
+    near = [
+        f" {in_words(one.candidate.effect).capitalize()} comes nearest, and leaves {one.held_out:.2f}."
+        for one in best
+    ]
+    return (
+        f"Something is missing, and nothing in the catalogue explains it: {gap}{chance}.{''.join(near)}{form}"
+    )
 
 
 def in_words(effect: str) -> str:

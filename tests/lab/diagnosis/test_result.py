@@ -1,6 +1,7 @@
 """result.json and camera.yaml."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -32,6 +33,14 @@ def test_the_hidden_effect_is_named_with_its_size(result: Result) -> None:
     assert result.gap.before == effect.gap_before
     assert result.gap.after == effect.gap_after
     assert "refractory period" in result.sentence
+
+
+def test_of_a_gap_without_a_name_it_is_said_what_comes_nearest(done: Done) -> None:
+    open_end = replace(done.diagnosis, verdict="unknown", found=())
+    told = result_of(done.session, done.told, open_end).sentence
+    assert told.startswith("Something is missing, and nothing in the catalogue explains it")
+    nearest = done.diagnosis.steps[0].trials[0]
+    assert f"Refractory period comes nearest, and leaves {nearest.held_out:.2f}." in told
 
 
 def test_strata_are_ranked_and_their_intervals_hold_the_effect(result: Result) -> None:
