@@ -135,8 +135,7 @@ def _around(value: float, sd: float) -> Estimate:
 
 
 def _effect(diagnosis: Diagnosis, found: Found) -> Effect:
-    before = found.step
-    after = diagnosis.steps[[step is before for step in diagnosis.steps].index(True) + 1]
+    before, after = found.step, diagnosis.after(found)
     return Effect(
         name=found.effect,
         parameters=intervals(diagnosis.model, diagnosis.steps[-1], found.trial.candidate),

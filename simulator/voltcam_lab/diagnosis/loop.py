@@ -54,6 +54,11 @@ class Diagnosis:
     steps: tuple[Step, ...]
     residual: Residual | None = None
 
+    def after(self, one: Found) -> Step:
+        """Where the search stood with this effect in the model; others may have come and gone since."""
+        following = self.found[self.found.index(one) + 1 :]
+        return following[0].step if following else self.steps[-1]
+
 
 def diagnose(
     rig: Rig, data: Values, model: Model, candidates: Sequence[Candidate], report: Report

@@ -68,11 +68,9 @@ def _cards(result: Result) -> list[tuple[str, str, str]]:
 
 
 def _gaps(diagnosis: Diagnosis) -> Markup:
-    names = ["camera file, base fitted"]
-    names += [f"+ {in_words(candidate.effect)}" for candidate, _ in diagnosis.steps[-1].model.accepted]
-    gaps = {
-        name: (step.held_out, step.floor_held_out) for name, step in zip(names, diagnosis.steps, strict=False)
-    }
+    steps = {"camera file, base fitted": diagnosis.steps[0]}
+    steps |= {f"+ {in_words(one.effect)}": diagnosis.after(one) for one in diagnosis.found}
+    gaps = {name: (step.held_out, step.floor_held_out) for name, step in steps.items()}
     if diagnosis.residual is not None:
         gaps["+ a term of unknown origin"] = (diagnosis.residual.trial.held_out, [*gaps.values()][-1][1])
     drawn = figures_battery.gaps(gaps)

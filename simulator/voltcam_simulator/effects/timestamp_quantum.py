@@ -9,7 +9,8 @@ from ..effect import Effect, Events, Readout, quantity
 
 class TimestampQuantum(Effect):
     """t = q floor(t / q). A stamp may so lie before the frame in whose interval the event came, by less than
-    a quantum; the stream stays in order.
+    a quantum; the stream stays in order. (Where the quantum is changed, it may go back once by less than the
+    new one.)
     """
 
     signature: ClassVar[str] = "time stamps are multiples of the quantum"
