@@ -131,24 +131,24 @@ class Likelihood:
 
     def _by_pixel(self, p: Mapping[str, float]) -> Vector:
         t = terms(self.seen, self.dead_us, p)
-        passed = self.weights * (self._log_density(t, p) + self._not_other(t, p))
+        own, less_leak, spread = self._own(t, p)
+        passed = self.weights * (self._log_density(t, own, less_leak) + self._not_other(t, p))
         each = np.concatenate([passed, self._log_survival(t, p)])
-        spread = np.bincount(self._pixel_of_group, self._own(t, p)[2], minlength=len(self.pixels))
-        own = np.bincount(self._pixel, each, minlength=len(self.pixels))
-        return np.asarray(own + spread, np.float64)
+        by_pixel = np.bincount(self._pixel, each, minlength=len(self.pixels))
+        common = np.bincount(self._pixel_of_group, spread, minlength=len(self.pixels))
+        return np.asarray(by_pixel + common, np.float64)
 
-    def _log_density(self, t: Terms, p: Mapping[str, float]) -> Vector:
+    def _log_density(self, t: Terms, own: Vector, less_leak: Vector) -> Vector:
         """ln p(t) of the intervals with an event, without what their pixel has in common."""
         n = self.events
         x, variance = (t.theta - t.rise)[:n], (t.wiener + t.error)[:n]
-        speed = self._speed(t, p, x, variance)
+        speed = self._speed(t, x - own, variance, less_leak)
         return np.log(speed) - 0.5 * (np.log(2 * np.pi * variance) + x * x / variance)
 
-    def _speed(self, t: Terms, p: Mapping[str, float], x: Vector, variance: Vector) -> Vector:
+    def _speed(self, t: Terms, rest: Vector, variance: Vector, less_leak: Vector) -> Vector:
         """How fast the pixels, each with its own leak, come upon the barrier."""
-        own, less_leak, _ = self._own(t, p)
         n = self.events
-        speed = t.speed[:n] - less_leak * t.leak_speed[:n] + t.wiener_rate[:n] * (x - own) / variance
+        speed = t.speed[:n] - less_leak * t.leak_speed[:n] + t.wiener_rate[:n] * rest / variance
         return np.asarray(np.maximum(speed, LEAST_SPEED))
 
     def _own(self, t: Terms, p: Mapping[str, float]) -> tuple[Vector, Vector, Vector]:
@@ -196,8 +196,9 @@ class Likelihood:
         t = terms(self.seen, self.dead_us, p)
         n = self.events
         variance = (t.wiener + t.error)[:n]
-        rest = (t.theta - t.rise)[:n] - self._own(t, p)[0]
-        speed = self._speed(t, p, (t.theta - t.rise)[:n], variance)
+        shift, less_leak, _ = self._own(t, p)
+        rest = (t.theta - t.rise)[:n] - shift
+        speed = self._speed(t, rest, variance, less_leak)
         own = speed * np.exp(-0.5 * rest**2 / variance) / np.sqrt(2 * np.pi * variance)
         off = (self.seen["end"][:n] < 0).astype(np.intp)
         stray = self.stray_per_us[off] * np.exp(self._not_other(t, p))

@@ -1,5 +1,7 @@
 """The likelihood of intervals against closed forms and a slow integral."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from scipy.stats import invgauss
@@ -12,6 +14,7 @@ SURE = START | {
     "k4_per_us": 1e-7, "k5_per_dn_us": 5e-9, "k6": 1e-4,
 }  # fmt: skip
 LIGHT = 100.0
+SPREAD = 0.05
 LEAK = 1e-7 + 5e-9 * LIGHT
 SIGMA = 1e-4 * np.sqrt(LIGHT) / (LIGHT + 20) + 1e-4
 
@@ -55,36 +58,42 @@ def test_light_that_rises_leads_to_on_and_falls_to_off() -> None:
     assert up > down + 10
 
 
-def test_what_a_pixel_keeps_is_integrated_over() -> None:
-    """Three intervals of one pixel, whose threshold differs from the others': a sum over its thresholds."""
-    spread = 0.05
-    t_us = np.array([1.5e6, 1.6e6, 1.75e6])
-    seen = at_rest(t_us)
+def summed(t_us: np.ndarray, density: Callable[[np.ndarray], np.ndarray]) -> tuple[np.ndarray, float]:
+    """Intervals of one pixel, and the log of their density (intervals, values), which depends on a value that
+    the pixel keeps and that is normal with SPREAD: a sum over it."""
+    seen, value = at_rest(t_us), np.linspace(-6, 6, 4001) * SPREAD
     seen["pixel"] = 0
-    (found,) = Likelihood(seen, 0.0).parts(SURE | {"threshold_spread": spread})
-    shift = np.linspace(-6, 6, 4001) * spread
-    own = np.exp(-0.5 * (shift / spread) ** 2) / np.sqrt(2 * np.pi) / spread
+    own = np.exp(-0.5 * (value / SPREAD) ** 2) / np.sqrt(2 * np.pi) / SPREAD
+    return seen, float(np.log(np.trapezoid(np.prod(density(value), axis=0) * own, value)))
+
+
+def test_what_a_pixel_keeps_is_integrated_over() -> None:
+    """Three intervals of one pixel, whose threshold differs from the others'."""
+    t_us = np.array([1.5e6, 1.6e6, 1.75e6])
     variance = SIGMA**2 * t_us
     x = 1 - LEAK * t_us
     speed = LEAK + SIGMA**2 * x / variance
-    density = np.exp(-0.5 * (x[:, None] - shift) ** 2 / variance[:, None])
-    density *= (speed / np.sqrt(2 * np.pi * variance))[:, None]
-    slow = np.log(np.trapezoid(np.prod(density, axis=0) * own, shift))
+
+    def density(shift: np.ndarray) -> np.ndarray:
+        normal = np.exp(-0.5 * (x[:, None] - shift) ** 2 / variance[:, None])
+        return normal * (speed / np.sqrt(2 * np.pi * variance))[:, None]
+
+    seen, slow = summed(t_us, density)
+    (found,) = Likelihood(seen, 0.0).parts(SURE | {"threshold_spread": SPREAD})
     assert found == pytest.approx(slow, abs=0.06)  # its speed has the likeliest threshold's instead of each
 
 
 def test_a_pixels_own_leak_counts_in_its_speed() -> None:
     """As above, with a leak that differs: what leaks less takes longer over each stretch."""
-    spread = 0.05
     t_us = np.array([1.8e6, 1.9e6, 2.0e6])
-    seen = at_rest(t_us)
-    seen["pixel"] = 0
-    (found,) = Likelihood(seen, 0.0).parts(SURE | {"leak_spread": spread})
-    less = np.linspace(-6, 6, 4001) * spread
-    own = np.exp(-0.5 * (less / spread) ** 2) / np.sqrt(2 * np.pi) / spread
-    t, leak = t_us[:, None], LEAK * (1 - less)
-    density = np.exp(-0.5 * (1 - leak * t) ** 2 / (SIGMA**2 * t)) / np.sqrt(2 * np.pi * SIGMA**2 * t**3)
-    slow = np.log(np.trapezoid(np.prod(density, axis=0) * own, less))
+    t = t_us[:, None]
+
+    def density(less: np.ndarray) -> np.ndarray:
+        x = 1 - LEAK * (1 - less) * t
+        return np.exp(-0.5 * x**2 / (SIGMA**2 * t)) / np.sqrt(2 * np.pi * SIGMA**2 * t**3)
+
+    seen, slow = summed(t_us, density)
+    (found,) = Likelihood(seen, 0.0).parts(SURE | {"leak_spread": SPREAD})
     assert found == pytest.approx(slow, abs=0.06)
 
 

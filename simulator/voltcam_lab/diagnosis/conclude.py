@@ -94,14 +94,11 @@ def sentence(diagnosis: Diagnosis, first: View, last: View) -> str:
             f" ({last.floor:.2f})."
         )
     chance = "" if first is not last else f", chance alone would leave {last.floor:.2f}"
-    best = diagnosis.steps[0].trials[:1]
-    near = [
+    near = "".join(
         f" {in_words(one.candidate.effect).capitalize()} comes nearest, and leaves {one.held_out:.2f}."
-        for one in best
-    ]
-    return (
-        f"Something is missing, and nothing in the catalogue explains it: {gap}{chance}.{''.join(near)}{form}"
+        for one in diagnosis.steps[0].trials[:1]
     )
+    return f"Something is missing, and nothing in the catalogue explains it: {gap}{chance}.{near}{form}"
 
 
 def in_words(effect: str) -> str:
