@@ -21,15 +21,15 @@ Image = tuple[NDArray[np.float32], int]
 LEAD_IN_US = 300_000  # for which a camera has been there before it records: light that flickers, queues
 LEAD_IN_PULSES = 60  # of the frame readout, if there are any: they have fired by then whom they can at once
 LEAD_OUT_US = 100_000  # for which it goes on, for events that are late
-PLACED = ("aps_coupling", "crosstalk", "readout", "residual_drift", "usb_overflow", "vignetting")
-"""Effects to which it matters where a pixel is or what others do: they do not act on stacked sensors."""
+PLACED = ("crosstalk", "readout", "usb_overflow", "vignetting")
+"""Effects to which a pixel's column or what others do matters: they do not act on sensors side by side."""
 
 
 class Rig:
     """Runs the model on one scene. The same parameters and seeds give the same noise: runs may be compared.
 
-    Runs that see different versions of the light are one run of a sensor as high as all of theirs, which
-    costs half as much: seeds come in batches of len(LIGHTS).
+    Runs that see different versions of the light are one run of a sensor as wide as all of theirs, which
+    costs half as much: seeds come in batches of len(LIGHTS). Rows stay rows, for effects that scan them.
     """
 
     def __init__(self, setting: Setting, threads: int | None = None) -> None:
@@ -42,13 +42,13 @@ class Rig:
 
     @cached_property
     def _lights(self) -> list[Image]:
-        """All versions of the light, one above the other."""
+        """All versions of the light, side by side."""
         versions = [light_behind(self.setting.scene, version) for version in range(len(LIGHTS))]
-        stacked = (
-            (np.concatenate([image for image, _ in images]), images[0][1])
+        joined = (
+            (np.concatenate([image for image, _ in images], axis=1), images[0][1])
             for images in zip(*versions, strict=True)
         )
-        return list(_moving(stacked))
+        return list(_moving(joined))
 
     def run(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> Values:
         """(seeds, PARTS, n) what the battery sees of a batch of runs, comparable; see `events`."""
@@ -71,27 +71,27 @@ class Rig:
     def events(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> list[Events]:
         """The events of each run of a batch. seeds: in sequence, of one batch.
 
-        apart: each on a sensor of its own, as those with a PLACED effect are anyway.
+        apart: each on a sensor of its own, as those that are `placed` are anyway.
         """
         if apart or placed(parameters):
             return [self._simulated(parameters, seed, 1) for seed in seeds]
-        height, events = self.setting.scene.height, self._simulated(parameters, seeds[0], len(seeds))
+        width, events = self.setting.scene.width, self._simulated(parameters, seeds[0], len(seeds))
         found = []
         for k in range(len(seeds)):
-            own = events[events["y"] // height == k]
-            own["y"] -= k * height
+            own = events[events["x"] // width == k]
+            own["x"] -= k * width
             found.append(own)
         return found
 
     def _simulated(self, parameters: Parameters, seed: int, copies: int) -> Events:
         scene, first = self.setting.scene, seed % len(LIGHTS)
-        rows = slice(first * scene.height, (first + copies) * scene.height)
-        simulator = Simulator(scene.width, copies * scene.height, parameters, seed=seed)
+        columns = slice(first * scene.width, (first + copies) * scene.width)
+        simulator = Simulator(copies * scene.width, scene.height, parameters, seed=seed)
         first_image, begin_us = self._lights[0]
-        simulator.advance(first_image[rows], begin_us - _lead_in_us(parameters))
-        found = [simulator.advance(image[rows], t_us) for image, t_us in self._lights]
+        simulator.advance(first_image[:, columns], begin_us - _lead_in_us(parameters))
+        found = [simulator.advance(image[:, columns], t_us) for image, t_us in self._lights]
         last_image, end_us = self._lights[-1]
-        found.append(simulator.advance(last_image[rows], end_us + LEAD_OUT_US))
+        found.append(simulator.advance(last_image[:, columns], end_us + LEAD_OUT_US))
         as_bytes = np.concatenate([events.view(np.uint8) for events in found])  # numpy joins records slowly
         return as_bytes.view(EVENT)
 
@@ -119,8 +119,10 @@ class Rig:
 
 
 def placed(parameters: Parameters) -> bool:
-    """Whether the parameters have an effect on that is PLACED."""
-    return any(getattr(parameters, name).active for name in PLACED)
+    """Whether the parameters have an effect on that is PLACED, or a drift that grows across the columns."""
+    drift = parameters.residual_drift
+    across = drift.active and drift.across != 0
+    return across or any(getattr(parameters, name).active for name in PLACED)
 
 
 def _lead_in_us(parameters: Parameters) -> int:

@@ -5,7 +5,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..effect import Band, Effect, quantity
+from ..exponential import exponential
 from ..kernel import kernel
+from ..logarithm import add_logarithm
 
 REFERENCE_DN = 128.0
 
@@ -58,9 +60,20 @@ def add_power(
     first: Any, last: Any, size: Any, power: Any, dark: Any, across: Any, down: Any, first_row: Any,
     width: Any, height: Any, drift: Any,
 ) -> None:  # fmt: skip
-    scale = 1 / (REFERENCE_DN + dark)
+    level = powered(first, last, power, dark)
     for i in range(drift.shape[0]):
         u = 2.0 * (i % width) / max(width - 1, 1) - 1
         v = 2.0 * (first_row + i // width) / max(height - 1, 1) - 1
-        level = (0.5 * (first[i] + last[i]) + dark) * scale
-        drift[i] += np.float32(size * level**power * (1 + across * u + down * v))
+        drift[i] += np.float32(size * level[i] * (1 + across * u + down * v))
+
+
+@kernel
+def powered(first: Any, last: Any, power: Any, dark: Any) -> Any:
+    """(n,) float32: ((L + dark)/(128 + dark))^power, L the mean of first and last."""
+    level, half_scale = np.empty_like(first), np.float32(0.5 / (REFERENCE_DN + dark))
+    for i in range(first.shape[0]):
+        level[i] = (first[i] + last[i] + np.float32(2 * dark)) * half_scale
+    log = np.zeros_like(level)
+    add_logarithm(level, np.float32(power), log)
+    exponential(log)
+    return log

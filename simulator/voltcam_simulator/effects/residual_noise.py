@@ -6,7 +6,7 @@ import numpy as np
 
 from ..effect import Band, Effect, quantity
 from ..kernel import kernel
-from .residual_drift import REFERENCE_DN
+from .residual_drift import powered
 
 
 class ResidualNoise(Effect):
@@ -42,6 +42,6 @@ class ResidualNoise(Effect):
 
 @kernel
 def add_power2(first: Any, last: Any, size: Any, power: Any, dark: Any, noise2: Any) -> None:
-    scale = 1 / (REFERENCE_DN + dark)
+    level = powered(first, last, power, dark)
     for i in range(noise2.shape[0]):
-        noise2[i] += np.float32(size * ((0.5 * (first[i] + last[i]) + dark) * scale) ** power)
+        noise2[i] += np.float32(size * level[i])

@@ -21,11 +21,22 @@ def rig() -> Rig:
     return Rig(setting_of(scene_of(frames, t_us, "cubic"), t_us, parameters=PAPER))
 
 
-def test_stacked_sensors_see_what_single_ones_do(rig: Rig) -> None:
+@pytest.mark.parametrize(
+    "effects",
+    [
+        {},
+        {"aps_coupling": {"readout_kick": 0.2, "reset_kick": -0.1}},
+        {"residual_drift": {"per_us": 1e-6, "power": 1.0, "down": 0.9}},
+    ],
+    ids=["paper", "row scan", "drift down the rows"],
+)
+def test_sensors_side_by_side_see_what_single_ones_do(rig: Rig, effects: dict[str, dict[str, float]]) -> None:
     """Means of 24 runs each differ as those of other noise do: the mean square of 4 n deviations is off 1 by
     less than 0.3 in all but one of a million."""
-    spread = spread_of(rig, Model(PAPER), range(1000, 1024))
-    apart = rig.runs([PAPER], range(2000, 2024), apart=True)[0]
+    parameters = PAPER.changed(effects)
+    assert not placed(parameters)
+    spread = spread_of(rig, Model(parameters), range(1000, 1024))
+    apart = rig.runs([parameters], range(2000, 2024), apart=True)[0]
     sd = np.std(spread.twins, axis=0, ddof=1)
     seen = sd > 0.3  # of counts that are mostly 0 the spread is not known well
     z = (apart.mean(axis=0) - spread.mean)[seen] / sd[seen] / np.sqrt(2 / 24)
@@ -43,13 +54,12 @@ def test_the_same_seeds_give_the_same_noise(rig: Rig) -> None:
     assert changed.any()
 
 
-@pytest.mark.parametrize("name", PLACED)
-def test_where_place_matters_sensors_are_not_stacked(name: str) -> None:
-    sizes = {
-        "aps_coupling": {"exposure_kick": 0.1},
+@pytest.mark.parametrize("name", [*PLACED, "residual_drift"])
+def test_where_columns_or_others_matter_sensors_are_not_joined(name: str) -> None:
+    sizes: dict[str, dict[str, float]] = {
         "crosstalk": {"coupling": 0.1},
         "readout": {"event_us": 10},
-        "residual_drift": {"per_us": 1e-6},
+        "residual_drift": {"per_us": 1e-6, "across": 0.5},
         "usb_overflow": {"max_rate_events_per_s": 1e5},
         "vignetting": {"corner_loss": 0.5},
     }
