@@ -116,7 +116,7 @@ def covariance(screen: Screen) -> NDArray[np.float64]:
     """
     columns, spread = flat(screen.base), screen.spread
     prior = np.diag(screen.model.prior_sd**-2.0)
-    scores = np.array([columns.T @ flat((twin - spread.mean) / spread.v) for twin in spread.twins])
+    scores = np.array([columns.T @ flat((twin - spread.mean) / spread.lenient) for twin in spread.twins])
     scattered = np.atleast_2d(np.cov(scores.T)) * (1 + 1 / len(FITTING))
     inverse = np.linalg.inv(columns.T @ columns + prior)
     return np.asarray(inverse @ (scattered + prior) @ inverse)

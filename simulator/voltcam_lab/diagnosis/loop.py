@@ -157,7 +157,8 @@ def _explains(before: Step, after: Step, first: Step) -> bool:
     was, left = (float((loss(flat(step.rest)) - flat(step.chance))[own].sum()) for step in (before, after))
     part = removed >= LEAST_SHARE and _excess(after) <= 2 * TOLERANCE
     alone = part and was > 0 and left <= (1 - SHARE) * was
-    return _excess(after) <= closed or removed >= SHARE or alone
+    enough = before is first or removed >= LEAST_SHARE
+    return enough and (_excess(after) <= closed or removed >= SHARE or alone)
 
 
 def _promising(step: Step) -> list[Trial]:
@@ -178,8 +179,13 @@ def _promising(step: Step) -> list[Trial]:
 
 
 def _rivals(step: Step, best: Trial) -> tuple[str, ...]:
+    """Those that explain as much, or that held-out data prefer."""
     n = 3 * step.screen.spread.mean.shape[1]
-    close = [t.candidate.effect for t in _promising(step) if n * (best.gained - t.gained) < AS_GOOD]
+    close = [
+        trial.candidate.effect
+        for trial in _promising(step)
+        if n * (best.gained - trial.gained) < AS_GOOD or trial.confirmed > best.confirmed
+    ]
     return tuple(dict.fromkeys(effect for effect in close if effect != best.candidate.effect))
 
 

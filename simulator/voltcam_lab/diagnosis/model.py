@@ -28,6 +28,7 @@ BASE_SD = 0.5  # of the logarithm of a base parameter about what the camera file
 SIZE_SD = 1.5  # of an effect's size about the one it was found with
 STEP = 0.15  # of a logarithm, for derivatives by runs with common noise
 FLOOR_SHARE = 0.003  # of a statistic: the rig is not better than that
+EFFECT_SHARE = 0.1  # of what an effect in the model does: a real one has another form
 BASE_SHARE = 0.01  # of a base parameter: intervals at rest tell of leaks to a thousandth and drown all else
 SLOPES = range(2)  # seeds of the runs that derivatives are taken of
 TRAINING, HELD_OUT = (0, 1, 2), (3,)
@@ -105,22 +106,26 @@ def within(candidate: Candidate, size: tuple[float, ...]) -> tuple[float, ...]:
 @dataclass(frozen=True, eq=False)
 class Spread:
     """Of the twins of a model: mean and the v of each statistic, both (PARTS, n), the twins themselves, and
-    (PARTS, n, k) slopes of the mean with respect to the model's `shift`."""
+    (PARTS, n, k) slopes of the mean with respect to the model's `shift`.
+
+    lenient: v and EFFECT_SHARE of what the effects in the model do, in which more effects are looked for.
+    """
 
     mean: Values
     v: Values
+    lenient: Values
     twins: list[Values]
     slopes: NDArray[np.float64]
 
     @property
     def columns(self) -> NDArray[np.float64]:
-        """The slopes in units of v."""
-        return self.slopes / self.v[..., None]
+        """The slopes in units of `lenient`."""
+        return self.slopes / self.lenient[..., None]
 
     def against_others(self, n: int) -> Values:
-        """Deviation of a twin from those that saw other versions of the light, in units of v."""
+        """Deviation of a twin from those that saw other versions of the light, in units of `lenient`."""
         others = [twin for k, twin in enumerate(self.twins) if (k - n) % len(LIGHTS)]
-        return np.asarray((self.twins[n] - np.mean(others, axis=0)) / self.v)
+        return np.asarray((self.twins[n] - np.mean(others, axis=0)) / self.lenient)
 
 
 def spread_of(rig: Rig, model: Model, seeds: Sequence[int]) -> Spread:
@@ -128,9 +133,12 @@ def spread_of(rig: Rig, model: Model, seeds: Sequence[int]) -> Spread:
     twins = list(rig.runs([model.parameters()], seeds)[0])
     mean, sd = np.mean(twins, axis=0), np.std(twins, axis=0, ddof=1)
     sloping = slopes(rig, model)
-    of_base = BASE_SHARE**2 * (sloping[..., : len(BASE)] ** 2).sum(axis=-1)
+    base, effects = sloping[..., : len(BASE)], sloping[..., len(BASE) :]
+    of_base = BASE_SHARE**2 * (base**2).sum(axis=-1)
     chance = np.maximum(sd, FLOORS) ** 2 * (1 + 1 / len(seeds))
-    return Spread(mean, np.sqrt(chance + (FLOOR_SHARE * mean) ** 2 + of_base), twins, sloping)
+    v2 = chance + (FLOOR_SHARE * mean) ** 2 + of_base
+    lenient = np.sqrt(v2 + EFFECT_SHARE**2 * (effects**2).sum(axis=-1))
+    return Spread(mean, np.sqrt(v2), lenient, twins, sloping)
 
 
 def slopes(rig: Rig, model: Model) -> NDArray[np.float64]:

@@ -17,7 +17,7 @@ AMOUNT_SD = 1.0  # of an effect's amount about 0, in units of the size tried
 
 @dataclass(frozen=True, eq=False)
 class Signature:
-    """What an effect at a size does to the battery: column (PARTS, n) in units of the twins' spread."""
+    """What an effect at a size does to the battery: column (PARTS, n) in units of the twins' lenient spread."""
 
     candidate: Candidate
     size: tuple[float, ...]
@@ -66,7 +66,7 @@ def screen_of(
     plan = [(candidate, size) for candidate in candidates for size in candidate.sizes]
     changes = rig.changes(parameters, [candidate.on(parameters, size) for candidate, size in plan], seeds)
     signatures = tuple(
-        Signature(candidate, size, change / spread.v)
+        Signature(candidate, size, change / spread.lenient)
         for (candidate, size), change in zip(plan, changes, strict=True)
     )
     screen = Screen(model, spread, spread.columns, signatures, np.empty(0))

@@ -20,7 +20,9 @@ ALPHA = 0.01  # chance of a name where nothing is missing, over the whole catalo
 TRIED = 3  # effects that are fitted by simulation
 WORTH_TRYING = 0.25  # of the largest gain in the score test
 LEAST_GAIN = 30.0  # of training loss: less could be the light between frames
-LEFT_BEHIND = 0.04  # of the training loss explained so far: what an effect may leave that has another form
+NEXT_ALPHA = 1e-4  # the same of a further one: what is in the model has not quite the form of what is there
+LEFT_BEHIND = 0.04  # of the training gap explained so far: what an effect may leave that has another form
+LEFT_OVER = 0.01  # the same, in a single other effect's direction
 FAR = 2.0  # a gap, eight times what chance leaves, from which the score test alone says little
 NEARLY = 0.7  # of the best: what seems that good is fitted a second time
 AS_GOOD = 15.0  # of training loss: rivals that are no worse are not told apart
@@ -31,7 +33,7 @@ class Step:
     """Where the search stands: gaps of the model in training and held-out parts, what chance alone would
     leave (floors), the score test, the least gain of training loss that counts, and the trials, best first:
     none where gains are within chance or next to nothing. rest: (PARTS, n) deviations that base parameters do
-    not take up; chance: the mean loss of twins, by statistic."""
+    not take up, in units of v as gaps are; chance: the mean loss of twins, by statistic."""
 
     model: Model
     screen: Screen
@@ -61,19 +63,20 @@ def step_of(
     """Look at the gap of a fitted model; first: the step before there was any effect in it."""
     spread = spread_of(rig, model, TWINS)
     screen = screen_of(rig, model, spread, candidates, SIGNATURE)
-    deviation = (data - spread.mean) / spread.v
-    rest = deviation - screen.base @ screen.own(flat(deviation)).x
+    deviation = (data - spread.mean) / spread.lenient
+    left = deviation - screen.base @ screen.own(flat(deviation)).x
+    rest = left * (spread.lenient / spread.v)
     gains = screen.gains(flat(deviation))
     p_value = screen.p_value(float(gains.max()))
     training = gap(flat(rest))
     least = LEAST_GAIN if first is None else max(
-        LEAST_GAIN, LEFT_BEHIND * flat(rest).size * (first.training - training)
+        LEAST_GAIN, LEFT_OVER * flat(rest).size * (first.training - training)
     )  # fmt: skip
-    worth = p_value <= ALPHA and gains.max() > least / 2
+    worth = p_value <= (ALPHA if first is None else NEXT_ALPHA) and gains.max() > least / 2
     chosen = _best(screen, gains, TRIED) if worth else []
     if worth and training > FAR:
         chosen += [index for index in _nearest(rig, screen, data, training) if index not in chosen]
-    bench = Bench(rig, screen, data, rest)
+    bench = Bench(rig, screen, data, left)
     trials = [bench.tried(index, float(gains[index])) for index in chosen]
     chance = np.mean([loss((twin - spread.mean) / spread.v) for twin in spread.twins], axis=0)
     floor_training, floor_held_out = (float(flat(chance, parts).mean()) for parts in (TRAINING, HELD_OUT))

@@ -34,7 +34,7 @@ class Trial:
 @dataclass(frozen=True, eq=False)
 class Bench:
     """Where effects are tried. rest: (PARTS, n) deviations of the data that base parameters do not take
-    up."""
+    up, in units of the lenient spread."""
 
     rig: Rig
     screen: Screen
@@ -47,7 +47,7 @@ class Bench:
         With a large gap that is too far for a straight line, and the base may have gone astray for want of
         the effect: it is fitted from the camera file, too, if that is nearer.
         """
-        one, v, model = self.screen.signatures[index], self.screen.spread.v, self.screen.model
+        one, v, model = self.screen.signatures[index], self.screen.spread.lenient, self.screen.model
         z = flat((self.data - self.screen.spread.mean) / v)
         amounts = self.screen.with_effect(z, one).x
         size = one.candidate.scaled(one.size, float(np.clip(amounts[-1], 0.03, 3)))
@@ -67,18 +67,19 @@ class Bench:
         what it leaves counts in units of that, and the logarithm of the scatter is added, as in a likelihood:
         else the widest would explain most.
         """
-        v = self.screen.spread.v
+        spread, v = self.screen.spread, self.screen.spread.lenient
         model, mean = refitted(self.rig, start, self.data, v, FITTING, rounds)
         sd = self.rig.runs([model.parameters()], COARSE)[0].std(axis=0, ddof=1)
         wide = np.where(sd > SCATTERS * v, sd, v)
         if np.mean(wide > v) > 0.02:
             model, mean = refitted(self.rig, model, self.data, wide, FITTING, rounds)
-        after, wider = (self.data - mean) / wide, np.log(wide / v)
-        training, held_out = (gap(flat(after, parts)) for parts in (TRAINING, HELD_OUT))
+        after, wider = self.data - mean, np.log(wide / v)
         gained, confirmed = (
-            gap(flat(self.rest, parts)) - left - float(flat(wider, parts).mean())
-            for parts, left in ((TRAINING, training), (HELD_OUT, held_out))
+            gap(flat(self.rest, parts)) - gap(flat(after / wide, parts)) - float(flat(wider, parts).mean())
+            for parts in (TRAINING, HELD_OUT)
         )
+        honest = np.where(sd > SCATTERS * v, sd, spread.v)
+        training, held_out = (gap(flat(after / honest, parts)) for parts in (TRAINING, HELD_OUT))
         return Trial(candidate, model, gain, training, held_out, gained, confirmed)
 
     def anew(self, trial: Trial) -> Trial:

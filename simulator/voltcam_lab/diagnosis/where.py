@@ -71,8 +71,8 @@ def _view(step: Step, data: Values) -> View:
 def fitted_mean(step: Step, data: Values) -> Values:
     """(PARTS, n) what the model of a step gives on average, its own parameters moved to fit best."""
     screen = step.screen
-    own = screen.own(flat((data - screen.spread.mean) / screen.spread.v))
-    moved: Values = screen.spread.mean + screen.spread.v * (screen.base @ own.x)
+    own = screen.own(flat((data - screen.spread.mean) / screen.spread.lenient))
+    moved: Values = screen.spread.mean + screen.spread.lenient * (screen.base @ own.x)
     return moved
 
 
