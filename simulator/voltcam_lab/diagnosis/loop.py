@@ -22,6 +22,7 @@ TOLERANCE = 0.25  # of the gap over its floor: what an explanation may leave
 OPEN = 0.25  # of the gap over its floor: what frames may leave open without anything missing
 SHARE = 0.8  # of the gap over its floor: an effect that removes so much is named though not all is explained
 LEAST_SHARE = 0.3  # the same, of an effect that removes SHARE of it where it changes anything
+OF_ALL, OF_REST = 0.9, 0.5  # the same, of several together, and of the last of these
 MOVED = 2.0  # of the spread: what an effect changes
 HELD_OUT_SHARE = 0.3  # of the training gain, by statistic, that held-out data must confirm
 DEEPEST = 4  # effects
@@ -129,20 +130,22 @@ def _explained(
     trial: Trial,
     report: Report,
     depth: int = 2,
+    begin: Step | None = None,
 ) -> list[tuple[Found, Step]] | None:
     """The effects, each with the step after it, that explain the gap of the last of `steps` beginning with
-    `trial`; None where they leave too much of it."""
+    `trial`; None where they leave too much of it. begin: the step before others that have not explained it
+    alone."""
     report(f"Trying {trial.candidate.effect}.")
     step = steps[-1]
     after = step_of(rig, trial.model, data, _left(candidates, trial.model), steps[0])
     report(_sentence(after))
     one = Found(trial, step, _rivals(step, trial))
-    if _explains(step, after, steps[0]):
+    if _explains(step, after, steps[0]) or (begin and _explain_together(begin, step, after)):
         return [(one, after)]
     following = _promising(after)
     if depth == 0 or not following:
         return None
-    rest = _explained(rig, data, candidates, [*steps, after], following[0], report, depth - 1)
+    rest = _explained(rig, data, candidates, [*steps, after], following[0], report, depth - 1, begin or step)
     return None if rest is None else [(one, after), *rest]
 
 
@@ -159,6 +162,13 @@ def _explains(before: Step, after: Step, first: Step) -> bool:
     alone = part and was > 0 and left <= (1 - SHARE) * was
     enough = before is first or removed >= LEAST_SHARE
     return enough and (_excess(after) <= closed or removed >= SHARE or alone)
+
+
+def _explain_together(begin: Step, before: Step, after: Step) -> bool:
+    """Whether effects none of which explains it alone close nearly all of a gap, the last a good part of
+    what the others leave."""
+    of_all, of_rest = (1 - _excess(after) / max(_excess(step), 1e-9) for step in (begin, before))
+    return of_all >= OF_ALL and of_rest >= OF_REST
 
 
 def _promising(step: Step) -> list[Trial]:

@@ -17,7 +17,7 @@ AMOUNT_SD = 1.0  # of an effect's amount about 0, in units of the size tried
 
 @dataclass(frozen=True, eq=False)
 class Signature:
-    """What an effect at a size does to the battery: column (PARTS, n) in units of the twins' lenient spread."""
+    """What an effect at a size does to the battery: column (PARTS, n) in units of the lenient spread."""
 
     candidate: Candidate
     size: tuple[float, ...]

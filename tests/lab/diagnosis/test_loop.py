@@ -38,6 +38,17 @@ def test_two_effects_are_both_named() -> None:
     assert {each.effect for each in found.found} == {"threshold_mismatch", "dead_pixels"}
 
 
+@pytest.mark.parametrize(("left", "verdict"), [(2.5, "effects"), (4.0, "unknown")])
+def test_two_effects_none_of_which_explains_enough_are_named_if_they_do_together(
+    left: float, verdict: str
+) -> None:
+    """Beside them there is something that nobody knows, of a twelfth or a fifth of what is missing."""
+    found = asked(response(MISMATCH.on(DEAD_TIME.on(BASE, (9000.0,)), (0.5,))) + left * PATTERNS[10])
+    assert found.verdict == verdict
+    effects = {each.effect for each in found.found}
+    assert effects == ({"refractory_period", "threshold_mismatch"} if verdict == "effects" else set())
+
+
 def test_a_pattern_that_is_not_in_the_catalogue_is_called_unknown() -> None:
     found = asked(response(BASE) + 3 * PATTERNS[10])
     assert (found.verdict, found.found) == ("unknown", ())
