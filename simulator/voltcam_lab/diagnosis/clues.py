@@ -1,10 +1,15 @@
 """What the events tell of effects that have a clock of their own, before any model is asked."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
+from voltcam_simulator import Parameters
+
 from ..battery import Setting
-from .catalogue import Clues
+from .catalogue import Candidate, Clues
+from .rig import Rig
 
 USUAL_ROW_US = 35.25  # DAVIS346
 USUAL_EXPOSURE_US = 500.0
@@ -63,7 +68,28 @@ def loudest_hz(t_us: NDArray[np.int64], on: NDArray[np.bool_]) -> float:
     power = np.abs(np.fft.rfft((signed - slow) / np.sqrt(level + 1), n=4 * rate.size)) ** 2
     hz = np.fft.rfftfreq(4 * rate.size, step_us * 1e-6)
     inside = (hz >= FLICKER_HZ[0]) & (hz <= FLICKER_HZ[1])
-    return float(hz[inside][np.argmax(power[inside])]) if inside.any() else 100.0
+    if not inside.any():
+        return 100.0
+    near = hz[inside][np.argmax(power[inside])] + np.linspace(-1, 1, 41) * hz[1]
+    return float(max(near, key=lambda one: abs(line(t_us, on, one))))
+
+
+def line(t_us: NDArray[np.int64], on: NDArray[np.bool_], hz: float) -> complex:
+    """Sum over events of +-1 (ON, OFF) at their phase of a frequency: its length tells how much they come by
+    turns, its angle when."""
+    return complex(np.where(on, 1.0, -1.0) @ np.exp(-2j * np.pi * hz * 1e-6 * t_us))
+
+
+def in_step(rig: Rig, parameters: Parameters, lamp: Candidate, events: NDArray[np.void]) -> Candidate:
+    """Flicker with the phase at which the model's events come when those (EVENT) of the recording do: with
+    frames at a fraction of the lamp's frequency it is always the same part of a frame that it disturbs."""
+    hz = lamp.others["frequency_hz"]
+    seen = rig.in_trusted_light(events)
+    measured = line(seen["t"], seen["p"], hz)
+    runs = [rig.in_trusted_light(rig.events(lamp.on(parameters, size), [0])[0]) for size in lamp.sizes]
+    made = min((line(run["t"], run["p"], hz) for run in runs), key=lambda one: abs(abs(one) - abs(measured)))
+    turns = np.angle(measured * np.conj(made)) / (2 * np.pi)
+    return replace(lamp, others={**lamp.others, "phase_turns": float(turns)})
 
 
 def quantum(t_us: NDArray[np.int64]) -> int:

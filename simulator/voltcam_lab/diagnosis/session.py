@@ -16,7 +16,7 @@ from ..health import Health, examine
 from ..light_between import calm, frame_noise2
 from ..scene import Scene, scene_of
 from .catalogue import Asymmetry, Candidate, catalogue
-from .clues import clues
+from .clues import clues, in_step
 from .model import Model
 from .rig import Values
 from .stored import StoredRig
@@ -105,7 +105,10 @@ def session_of(
     left_out: list[Candidate] = []
     for one in catalogue(clues(setting, part.events, row_us)):
         off_axis = one.effect == "vignetting" and len(columns) < recording.width
-        (left_out if off_axis or _is_on(one, camera.parameters) else wanted).append(one)
+        off = off_axis or _is_on(one, camera.parameters)
+        if one.effect == "flicker" and not off:
+            one = in_step(rig, camera.parameters, one, part.events)
+        (left_out if off else wanted).append(one)
     return Session(
         name, part, camera, health, columns, rig, rig.observe(part.events), tuple(wanted),
         tuple(dict.fromkeys(one.effect for one in left_out)), seed,

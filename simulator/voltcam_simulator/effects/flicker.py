@@ -12,7 +12,8 @@ STEPS_PER_PERIOD = 16
 
 
 class Flicker(Effect):
-    """Light times 1 + depth sin(2 pi frequency_hz t), t from the time line's zero: no jump at any frame."""
+    """Light times 1 + depth sin(2 pi (frequency_hz t + phase_turns)), t from the time line's zero: no jump
+    at any frame."""
 
     signature: ClassVar[str] = (
         "a line in the spectrum of event times at the lamp's frequency, ON and OFF half a period apart"
@@ -27,6 +28,11 @@ class Flicker(Effect):
         source="fluorescent and incandescent lamps 0.05 to 0.3 (IEEE 1789-2015)",
     )  # fmt: skip
 
+    phase_turns: float = quantity(
+        0.0, unit="periods", ge=-1, le=1, meaning="phase at the zero of the time line; 0.25: brightest",
+        source="the lamp's; voltcam diagnose finds it",
+    )  # fmt: skip
+
     @property
     def active(self) -> bool:
         return self.depth > 0
@@ -38,4 +44,4 @@ class Flicker(Effect):
     def see(self, band: Band) -> None:
         period_us = 1e6 / self.frequency_hz
         phase = math.fmod(band.end_us, period_us) / period_us  # exact, at any distance from zero
-        band.light *= np.float32(1 + self.depth * math.sin(2 * math.pi * phase))
+        band.light *= np.float32(1 + self.depth * math.sin(2 * math.pi * (phase + self.phase_turns)))

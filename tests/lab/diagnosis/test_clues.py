@@ -3,7 +3,12 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.diagnosis.clues import loudest_hz, quantum
+from voltcam_lab.battery import setting_of
+from voltcam_lab.diagnosis.catalogue import Candidate
+from voltcam_lab.diagnosis.clues import in_step, loudest_hz, quantum
+from voltcam_lab.diagnosis.rig import Rig
+from voltcam_lab.scene import scene_of
+from voltcam_simulator import Parameters
 
 
 @pytest.mark.parametrize("hz", [100.0, 120.0, 73.0])
@@ -11,7 +16,9 @@ def test_the_frequency_of_flickering_light(hz: float) -> None:
     rng = np.random.default_rng(1)
     t_us = np.sort(rng.uniform(0, 5e6, 30_000))
     rises = rng.random(t_us.size) < 0.5 * (1 + 0.3 * np.cos(2 * np.pi * hz * 1e-6 * t_us))
-    assert loudest_hz(t_us.astype(np.int64), rises) == pytest.approx(hz, abs=0.2)  # one period in 5 s
+    assert loudest_hz(t_us.astype(np.int64), rises) == pytest.approx(
+        hz, abs=0.005
+    )  # a fortieth period in 5 s
 
 
 def test_a_lamp_that_makes_events_twice_a_period_is_not_taken_for_a_faster_one() -> None:
@@ -20,6 +27,18 @@ def test_a_lamp_that_makes_events_twice_a_period_is_not_taken_for_a_faster_one()
     kept = rng.random(phase.size) < np.cos(phase) ** 2
     t_us = phase[kept] / (2 * np.pi * 100) * 1e6
     assert loudest_hz(t_us.astype(np.int64), np.cos(phase[kept]) > 0) == pytest.approx(100, abs=0.2)
+
+
+@pytest.mark.parametrize("turns", [0.3, -0.2])
+def test_the_phase_of_flickering_light(turns: float) -> None:
+    paper, t_us = Parameters.of("paper"), np.arange(0, 2_000_001, 5000)
+    grey = 100 + 60 * np.sin(2e-6 * np.pi * t_us[:, None, None] + np.arange(16) * 0.4 + np.zeros((12, 1)))
+    rig = Rig(setting_of(scene_of(grey.astype(np.float32), t_us, "cubic"), t_us, parameters=paper), 1)
+    lamp = Candidate("flicker", ("depth",), ((0.02,), (0.05,)), {"frequency_hz": 99.99})
+    there = paper.changed({"flicker": {"frequency_hz": 99.99, "depth": 0.04, "phase_turns": turns}})
+    found = in_step(rig, paper, lamp, rig.events(there, [5])[0])
+    assert found.others["frequency_hz"] == 99.99
+    assert found.others["phase_turns"] == pytest.approx(turns, abs=0.03)
 
 
 def test_the_tick_of_time_stamps() -> None:

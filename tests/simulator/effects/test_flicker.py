@@ -37,6 +37,18 @@ def test_on_while_the_light_rises_and_off_while_it_falls(t0_us: int) -> None:
     assert (np.cos(2 * np.pi * phase[~events["p"]]) < 0.2).all()
 
 
+@pytest.mark.parametrize("turns", [0.25, -0.4])
+def test_a_phase_moves_all_by_its_part_of_a_period(turns: float) -> None:
+    times = []
+    for phase_turns in (0.0, turns):
+        flicker = {"frequency_hz": 100, "depth": 0.2, "phase_turns": phase_turns}
+        simulator = Simulator(SIDE, SIDE, only(contrast_response={"k1": 60}, flicker=flicker), seed=4)
+        events = watch_still(simulator, 100, SECONDS, 30)
+        times.append(np.exp(2e-4j * np.pi * events["t"][events["p"]]).mean())
+    moved = np.angle(times[0] / times[1]) / (2 * np.pi)  # earlier by that
+    assert moved == pytest.approx(turns, abs=0.01)
+
+
 def test_the_line_in_the_spectrum_is_at_its_frequency_only() -> None:
     events = watch(30, frequency_hz=120)
     for polarity in (True, False):
