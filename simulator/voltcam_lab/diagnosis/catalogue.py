@@ -17,6 +17,7 @@ SCALED = (
     ("leak_noise", "k6"),
 )
 """What is in units of the thresholds."""
+TURNS = 0.25  # of a lamp, for a logarithm of 1: a step of 0.15 is 14 degrees
 RATIOS = ("ratio", "gamma_exponent")
 """Sizes that are 1 where there is no effect."""
 
@@ -64,6 +65,18 @@ class Asymmetry(Candidate):
 
 
 @dataclass(frozen=True)
+class Lamp(Candidate):
+    """Flicker: its depth, and the phase as TURNS times the logarithm of the second size, beside a first
+    guess: where events of the camera file's model come when those of the recording do."""
+
+    def on(self, parameters: Parameters, size: tuple[float, ...]) -> Parameters:
+        """The parameters with flicker of a depth and phase."""
+        turns = self.others["phase_turns"] + TURNS * log(size[1])
+        there = {**self.others, "depth": size[0], "phase_turns": turns - round(turns)}
+        return parameters.changed({self.effect: there})
+
+
+@dataclass(frozen=True)
 class Clues:
     """What a recording tells of effects that have a clock or a place of their own."""
 
@@ -93,11 +106,12 @@ def catalogue(clues: Clues) -> tuple[Candidate, ...]:
     }
     scans = ((0.03, 0.03), (-0.03, -0.03))
     usb = {"buffer_events": 64}
+    lamp = {"frequency_hz": clues.flicker_hz, "phase_turns": 0.0}
     return (
         Candidate("refractory_period", **_one("period_us", 700, 3000)),
         Candidate("photoreceptor_bandwidth", ("cutoff_hz", "follower_hz"), ((400, 3200), (80, 640))),
         Asymmetry("comparator", **_one("ratio", 1.15, 1 / 1.15)),
-        Candidate("flicker", **_one("depth", 0.02, 0.05), others={"frequency_hz": clues.flicker_hz}),
+        Lamp("flicker", ("depth", "advance"), ((0.02, 1.0), (0.05, 1.0)), lamp),
         Candidate("aps_coupling", **_one("exposure_kick", 0.03, -0.03), others=scan),
         Candidate("aps_coupling", ("readout_kick", "reset_kick"), scans, others=scan),
         Candidate("latency", ("delay_us", "jitter_us"), ((200, 200), (1200, 1200))),

@@ -14,6 +14,7 @@ from .rig import Rig
 USUAL_ROW_US = 35.25  # DAVIS346
 USUAL_EXPOSURE_US = 500.0
 FLICKER_HZ = (40.0, 500.0)
+DEPTHS = (0.002, 0.02, 0.05, 0.15)  # of the light, at which a lamp's phase is looked for
 
 
 def clues(setting: Setting, events: NDArray[np.void], row_us: float | None = None) -> Clues:
@@ -71,7 +72,7 @@ def loudest_hz(t_us: NDArray[np.int64], on: NDArray[np.bool_]) -> float:
     if not inside.any():
         return 100.0
     near = hz[inside][np.argmax(power[inside])] + np.linspace(-1, 1, 41) * hz[1]
-    return float(max(near, key=lambda one: abs(line(t_us, on, one))))
+    return float(max(near.tolist(), key=lambda one: abs(line(t_us, on, float(one)))))
 
 
 def line(t_us: NDArray[np.int64], on: NDArray[np.bool_], hz: float) -> complex:
@@ -82,13 +83,23 @@ def line(t_us: NDArray[np.int64], on: NDArray[np.bool_], hz: float) -> complex:
 
 def in_step(rig: Rig, parameters: Parameters, lamp: Candidate, events: NDArray[np.void]) -> Candidate:
     """Flicker with the phase at which the model's events come when those (EVENT) of the recording do: with
-    frames at a fraction of the lamp's frequency it is always the same part of a frame that it disturbs."""
-    hz = lamp.others["frequency_hz"]
-    seen = rig.in_trusted_light(events)
-    measured = line(seen["t"], seen["p"], hz)
-    runs = [rig.in_trusted_light(rig.events(lamp.on(parameters, size), [0])[0]) for size in lamp.sizes]
-    made = min((line(run["t"], run["p"], hz) for run in runs), key=lambda one: abs(abs(one) - abs(measured)))
-    turns = np.angle(measured * np.conj(made)) / (2 * np.pi)
+    frames at a fraction of the lamp's frequency it is always the same part of a frame that it disturbs.
+
+    How late events come depends on how deep the flicker is: the phase is taken where there are as many.
+    """
+
+    def seen(events: NDArray[np.void]) -> complex:
+        known = rig.in_trusted_light(events)
+        return line(known["t"], known["p"], lamp.others["frequency_hz"])
+
+    def made(depth: float) -> complex:
+        return complex(
+            np.mean([seen(run) for run in rig.events(lamp.on(parameters, (depth, 1.0)), range(4))])
+        )
+
+    measured = seen(events)
+    depth = np.interp(abs(measured), [abs(made(depth)) for depth in DEPTHS], DEPTHS)
+    turns = np.angle(measured * np.conj(made(float(depth)))) / (2 * np.pi)
     return replace(lamp, others={**lamp.others, "phase_turns": float(turns)})
 
 

@@ -9,7 +9,7 @@ from voltcam_simulator import Camera
 
 from ..battery import COUNTS, LABELS
 from .advice import next_recording
-from .catalogue import Asymmetry, Candidate
+from .catalogue import TURNS, Asymmetry, Candidate, Lamp
 from .identify import Identifiability, covariance
 from .loop import TOLERANCE, Diagnosis, Found
 from .model import BASE, Model
@@ -120,6 +120,10 @@ def intervals(model: Model, step: Step, candidate: Candidate) -> dict[str, Estim
     effect = getattr(model.parameters(), candidate.effect)
     if isinstance(candidate, Asymmetry):  # half of the ratio's logarithm each
         return {name: _around(getattr(effect, name), float(sd[0]) / 2) for name in ("theta_on", "theta_off")}
+    if isinstance(candidate, Lamp):
+        turns, off = effect.phase_turns, _90 * TURNS * float(sd[1])
+        phase = Estimate(value=turns, low=turns - off, high=turns + off)
+        return {"depth": _around(effect.depth, float(sd[0])), "phase_turns": phase}
     return {
         name: _around(getattr(effect, name), float(one))
         for name, one in zip(candidate.names, sd, strict=True)

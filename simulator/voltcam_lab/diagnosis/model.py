@@ -89,11 +89,12 @@ class Model:
 
 def within(candidate: Candidate, size: tuple[float, ...]) -> tuple[float, ...]:
     """The size inside the registry's limits."""
-    if candidate.names == ("ratio",):
-        return size
     fields = type(getattr(Parameters(), candidate.effect)).model_fields
     kept = []
     for name, value in zip(candidate.names, size, strict=True):
+        if name not in fields:  # a size of the candidate's own making
+            kept.append(value)
+            continue
         low, high = -np.inf, np.inf
         for limit in fields[name].metadata:
             low = max(low, getattr(limit, "ge", -np.inf), getattr(limit, "gt", -np.inf))

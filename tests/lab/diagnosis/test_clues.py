@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from voltcam_lab.battery import setting_of
-from voltcam_lab.diagnosis.catalogue import Candidate
+from voltcam_lab.diagnosis.catalogue import Lamp
 from voltcam_lab.diagnosis.clues import in_step, loudest_hz, quantum
 from voltcam_lab.diagnosis.rig import Rig
 from voltcam_lab.scene import scene_of
@@ -34,11 +34,11 @@ def test_the_phase_of_flickering_light(turns: float) -> None:
     paper, t_us = Parameters.of("paper"), np.arange(0, 2_000_001, 5000)
     grey = 100 + 60 * np.sin(2e-6 * np.pi * t_us[:, None, None] + np.arange(16) * 0.4 + np.zeros((12, 1)))
     rig = Rig(setting_of(scene_of(grey.astype(np.float32), t_us, "cubic"), t_us, parameters=paper), 1)
-    lamp = Candidate("flicker", ("depth",), ((0.02,), (0.05,)), {"frequency_hz": 99.99})
+    lamp = Lamp("flicker", ("depth", "advance"), ((0.02, 1.0),), {"frequency_hz": 99.99, "phase_turns": 0.0})
     there = paper.changed({"flicker": {"frequency_hz": 99.99, "depth": 0.04, "phase_turns": turns}})
     found = in_step(rig, paper, lamp, rig.events(there, [5])[0])
     assert found.others["frequency_hz"] == 99.99
-    assert found.others["phase_turns"] == pytest.approx(turns, abs=0.03)
+    assert found.others["phase_turns"] == pytest.approx(turns, abs=0.01)
 
 
 def test_the_tick_of_time_stamps() -> None:
