@@ -11,7 +11,7 @@ from .model import BASE, Model, flat
 from .refit import refitted
 from .rig import Rig, Values
 from .robust import gap, loss
-from .search import ALPHA, AS_GOOD, LEFT_BEHIND, Step, base_fitted, step_of
+from .search import ALPHA, AS_GOOD, DOUBT, LEFT_BEHIND, Step, base_fitted, step_of
 from .trial import FITTING, Trial
 from .unlisted import Residual, residual_of, residual_step
 
@@ -189,13 +189,16 @@ def _promising(step: Step) -> list[Trial]:
 
 
 def _rivals(step: Step, best: Trial) -> tuple[str, ...]:
-    """Those that explain as much, or that held-out data prefer."""
-    n = 3 * step.screen.spread.mean.shape[1]
-    close = [
-        trial.candidate.effect
-        for trial in _promising(step)
-        if n * (best.gained - trial.gained) < AS_GOOD or trial.confirmed > best.confirmed
-    ]
+    """Those that explain as much, as far as chance lets one tell, or that held-out data prefer.
+
+    Of two models at a distance d (in spreads), the true one has the lesser loss by d^2/2, give or take d.
+    """
+    n, close = 3 * step.screen.spread.mean.shape[1], []
+    for trial in _promising(step):
+        distance = float(np.linalg.norm(flat((trial.mean - best.mean) / step.screen.spread.lenient)))
+        as_good = n * (best.gained - trial.gained) < AS_GOOD + DOUBT * distance
+        if as_good or trial.confirmed > best.confirmed:
+            close.append(trial.candidate.effect)
     return tuple(dict.fromkeys(effect for effect in close if effect != best.candidate.effect))
 
 

@@ -26,6 +26,7 @@ LEFT_OVER = 0.01  # the same, in a single other effect's direction
 FAR = 2.0  # a gap, eight times what chance leaves, from which the score test alone says little
 NEARLY = 0.7  # of the best: what seems that good is fitted a second time
 AS_GOOD = 15.0  # of training loss: rivals that are no worse are not told apart
+DOUBT = 2.0  # the same, for each unit of the distance between what two effects do: losses scatter by that
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,11 +19,14 @@ SCATTERS = 2.0  # times the spread without the effect
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """An effect fitted to the data: the gaps it leaves in training and held-out parts, and by how much it
-    lessens them, less what its own scatter costs. gain: of the score test."""
+    """An effect fitted to the data: what the battery sees then on average, the gaps it leaves in training and
+    held-out parts, and by how much it lessens them, less what its own scatter costs.
+
+    gain: of the score test."""
 
     candidate: Candidate
     model: Model
+    mean: Values
     gain: float
     training: float
     held_out: float
@@ -80,7 +83,7 @@ class Bench:
         )
         honest = np.where(sd > SCATTERS * v, sd, spread.v)
         training, held_out = (gap(flat(after / honest, parts)) for parts in (TRAINING, HELD_OUT))
-        return Trial(candidate, model, gain, training, held_out, gained, confirmed)
+        return Trial(candidate, model, mean, gain, training, held_out, gained, confirmed)
 
     def anew(self, trial: Trial) -> Trial:
         """The trial, or the effect fitted from the size nearest to it and the base without it, if that is

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from voltcam_lab.diagnosis.catalogue import Candidate
 from voltcam_lab.diagnosis.loop import Diagnosis, diagnose
 from voltcam_lab.diagnosis.model import Model
 from voltcam_lab.diagnosis.rig import Values
@@ -47,6 +48,21 @@ def test_two_effects_none_of_which_explains_enough_are_named_if_they_do_together
     assert found.verdict == verdict
     effects = {each.effect for each in found.found}
     assert effects == ({"refractory_period", "threshold_mismatch"} if verdict == "effects" else set())
+
+
+@pytest.mark.parametrize(("sigma", "rivals"), [(0.06, ("reset_noise",)), (0.5, ())])
+def test_effects_that_are_nearly_alike_are_rivals_where_there_is_little_of_them(
+    sigma: float, rivals: tuple[str, ...]
+) -> None:
+    def alike(parameters: Parameters) -> Values:
+        other = 10 * parameters.reset_noise.sigma
+        return response(parameters) + other * (PATTERNS[7] + 0.25 * PATTERNS[9])
+
+    rig = MadeRig(alike)
+    data = alike(MISMATCH.on(BASE, (sigma,))) + rig.noise(4711)
+    catalogue = (*CATALOGUE, Candidate("reset_noise", ("sigma",), ((0.1,),)))
+    (found,) = diagnose(rig, data, Model(START), catalogue, lambda _: None).found
+    assert (found.effect, found.rivals) == ("threshold_mismatch", rivals)
 
 
 def test_a_pattern_that_is_not_in_the_catalogue_is_called_unknown() -> None:
