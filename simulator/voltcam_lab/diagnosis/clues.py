@@ -1,4 +1,4 @@
-"""What the events tell of effects that have a clock of their own, before any model is asked."""
+"""What the events tell of effects that have a clock of their own, before anything is fitted."""
 
 from dataclasses import replace
 
@@ -88,8 +88,8 @@ def in_step(rig: Rig, parameters: Parameters, lamp: Candidate, events: NDArray[n
     How late events come depends on how deep the flicker is: the phase is taken where there are as many.
     """
 
-    def seen(events: NDArray[np.void]) -> complex:
-        known = rig.in_trusted_light(events)
+    def seen(run: NDArray[np.void]) -> complex:
+        known = rig.in_trusted_light(run)
         return line(known["t"], known["p"], lamp.others["frequency_hz"])
 
     def made(depth: float) -> complex:

@@ -1,9 +1,11 @@
 """The catalogue of effects that may be missing."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from voltcam_lab.diagnosis.catalogue import SCALED, Asymmetry, Clues, catalogue
+from voltcam_lab.diagnosis.catalogue import SCALED, Asymmetry, Clues, Lamp, catalogue
 from voltcam_lab.diagnosis.model import Model, within
 from voltcam_lab.diagnosis.unlisted import forms
 from voltcam_simulator import Parameters
@@ -36,6 +38,14 @@ def test_smaller_amounts_are_nearer_to_no_effect() -> None:
     assert of["refractory_period", "period_us"].scaled((3000,), 0.5) == (1500,)
     assert of["photoreceptor_bandwidth", "cutoff_hz"].scaled((100,), 0.5) == (200,)
     assert of["comparator", "ratio"].scaled((4.0,), 0.5) == (2.0,)
+
+
+def test_a_lamp_is_moved_on_by_a_quarter_turn_for_an_e_fold_of_its_second_size() -> None:
+    lamp = next(one for one in catalogue(CLUES) if isinstance(one, Lamp))
+    lamp = replace(lamp, others={**lamp.others, "phase_turns": 0.4})
+    found = [lamp.on(Parameters.of("paper"), (0.03, float(np.exp(e)))).flicker for e in (0.0, -1.0, 1.0)]
+    assert [one.depth for one in found] == [0.03] * 3
+    assert [one.phase_turns for one in found] == pytest.approx([0.4, 0.15, -0.35])  # 0.65 is the same phase
 
 
 def test_unequal_thresholds_keep_their_product_and_the_on_events() -> None:
