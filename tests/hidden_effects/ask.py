@@ -99,7 +99,7 @@ def _verdict(diagnosis: Diagnosis) -> Verdict:
         Named(
             name=found.effect,
             rivals=found.rivals,
-            parameters=intervals(diagnosis.model, last, found.trial.candidate),
+            parameters=intervals(diagnosis, found.trial.candidate),
         )
         for found in diagnosis.found
     )

@@ -10,9 +10,9 @@ from voltcam_simulator import Camera
 from ..battery import COUNTS, LABELS
 from .advice import next_recording
 from .catalogue import TURNS, Asymmetry, Candidate, Lamp
-from .identify import Identifiability, covariance
+from .identify import Identifiability
 from .loop import TOLERANCE, Diagnosis, Found
-from .model import BASE, Model
+from .model import BASE
 from .result import (
     Detectable,
     Effect,
@@ -27,7 +27,7 @@ from .result import (
     Stratum,
     Versions,
 )
-from .search import ALPHA, SIGNATURE, TWINS, Step
+from .search import ALPHA, SIGNATURE, TWINS
 from .session import Session
 from .trial import FITTING
 from .where import Ranked, View, ranked, views
@@ -108,15 +108,16 @@ def in_words(effect: str) -> str:
     )
 
 
-def intervals(model: Model, step: Step, candidate: Candidate) -> dict[str, Estimate]:
-    """Of an accepted effect's sizes, by its own parameters' names; `step` is the one of this model."""
-    place = len(BASE)
+def intervals(diagnosis: Diagnosis, candidate: Candidate) -> dict[str, Estimate]:
+    """Of an accepted effect's sizes, by its own parameters' names."""
+    place, model = len(BASE), diagnosis.model
     sizes = next(
         place + sum(len(size) for _, size in model.accepted[:k]) + np.arange(len(candidate.names))
         for k, (one, _) in enumerate(model.accepted)
         if (one.effect, one.names) == (candidate.effect, candidate.names)
     )
-    sd = np.sqrt(np.diag(covariance(step.screen))[sizes] + _SYSTEMATIC**2)
+    assert diagnosis.covariance is not None
+    sd = np.sqrt(np.diag(diagnosis.covariance)[sizes] + _SYSTEMATIC**2)
     effect = getattr(model.parameters(), candidate.effect)
     if isinstance(candidate, Asymmetry):  # half of the ratio's logarithm each
         return {name: _around(getattr(effect, name), float(sd[0]) / 2) for name in ("theta_on", "theta_off")}
@@ -139,7 +140,7 @@ def _effect(diagnosis: Diagnosis, found: Found) -> Effect:
     before, after = found.step, diagnosis.after(found)
     return Effect(
         name=found.effect,
-        parameters=intervals(diagnosis.model, diagnosis.steps[-1], found.trial.candidate),
+        parameters=intervals(diagnosis, found.trial.candidate),
         gap_before=before.held_out,
         gap_after=after.held_out,
         gap_floor=after.floor_held_out,

@@ -12,10 +12,10 @@ from voltcam_simulator import Parameters
 
 from .catalogue import RATIOS, WEAKER, Candidate
 from .model import BASE, Model, flat, spread_of
+from .precise import precise
 from .rig import Rig
 from .screen import Screen, Signature, screen_of
 from .search import ALPHA, LEAST_GAIN, SIGNATURE, TWINS
-from .trial import FITTING
 
 MIXED = 0.6  # correlation from which two parameters are said to be mixed up
 _FIXED, _PARTLY = 0.9, 0.5  # share of the prior's variance that is gone
@@ -105,30 +105,16 @@ def identify(
     """Of a rig's scene, with twins of the model only."""
     spread = spread_of(rig, model, twins)
     screen = screen_of(rig, model, spread, candidates, SIGNATURE)
-    return Identifiability(known(screen), detectable(screen))
+    return Identifiability(known(model, precise(rig, model, spread).covariance), detectable(screen))
 
 
-def covariance(screen: Screen) -> NDArray[np.float64]:
-    """(k, k) of the model's `shift` as `model.refitted` finds it.
-
-    Statistics are not independent of each other, so what twins' deviations do to the score is taken from the
-    twins themselves: H^-1 (J + R) H^-1, H = C'C + R, J the scores' covariance, R the prior.
-    """
-    columns, spread = flat(screen.base), screen.spread
-    prior = np.diag(screen.model.prior_sd**-2.0)
-    scores = np.array([columns.T @ flat((twin - spread.mean) / spread.lenient) for twin in spread.twins])
-    scattered = np.atleast_2d(np.cov(scores.T)) * (1 + 1 / len(FITTING))
-    inverse = np.linalg.inv(columns.T @ columns + prior)
-    return np.asarray(inverse @ (scattered + prior) @ inverse)
-
-
-def known(screen: Screen) -> tuple[Known, ...]:
-    """The base parameters."""
+def known(model: Model, covariance: NDArray[np.float64]) -> tuple[Known, ...]:
+    """The base parameters of a model, with the covariance of its `shift`."""
     k = len(BASE)
-    of_all = covariance(screen)[:k, :k]
+    of_all = covariance[:k, :k]
     sd = np.sqrt(np.diag(of_all))
     correlation = of_all / np.outer(sd, sd)
-    parameters = screen.model.parameters()
+    parameters = model.parameters()
     found = []
     for i, (effect, name) in enumerate(BASE):
         mixed = {
@@ -136,7 +122,7 @@ def known(screen: Screen) -> tuple[Known, ...]:
             for j in np.argsort(-np.abs(correlation[i]))
             if j != i and abs(correlation[i, j]) > MIXED
         }
-        share = 1 - float(min(sd[i] / screen.model.prior_sd[i], 1.0)) ** 2
+        share = 1 - float(sd[i] / model.prior_sd[i]) ** 2
         found.append(
             Known(effect, name, getattr(getattr(parameters, effect), name), float(sd[i]), share, mixed)
         )

@@ -7,16 +7,20 @@ from numpy.typing import NDArray
 
 from ..scene import Scene
 
-LIGHTS = ((0.0, 0.3), (-0.6, 0.3), (0.3, 0.1), (-0.3, 0.6))
-"""Versions of the light between frames: (how much more it bends than `Scene.images`, -1 is straight; random
-error as a share of `Scene.doubt`). What frames leave open must not look like a gap."""
+LIGHTS = ((0.0, 0.4), (-0.3, 0.55), (0.15, 0.4), (-0.15, 0.55))
+"""Versions of the light between frames that a cubic tells: (how much more it bends than `Scene.images`, -1 is
+straight; random error as a share of `Scene.doubt`). What frames leave open must not look like a gap: shares
+are about what an effect-free recording asks for, and differ by about as much as recordings do."""
+MOVED_LIGHTS = ((0.0, 0.4), (-0.6, 0.6), (0.3, 0.4), (-0.3, 0.6))
+"""The same where motion had to be guessed."""
 
 Plane = NDArray[np.float32]
 
 
 def light_behind(scene: Scene, version: int) -> Iterator[tuple[Plane, int]]:
     """(H, W) float32 [DN] and its time [us], for each of the scene's images."""
-    rng, (more, error) = np.random.default_rng(version), LIGHTS[version]
+    rng = np.random.default_rng(version)
+    more, error = (LIGHTS if scene.how == "cubic" else MOVED_LIGHTS)[version]
     shape, last = scene.taken.shape[1:], len(scene.taken_us) - 1
     frame, gap = -1, np.zeros(shape, np.float32)
     for image, t_us in zip(scene.images, scene.t_us.tolist(), strict=True):

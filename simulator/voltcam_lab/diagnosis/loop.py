@@ -5,9 +5,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .catalogue import Candidate
 from .model import BASE, Model, flat
+from .precise import precise
 from .refit import refitted
 from .rig import Rig, Values
 from .robust import gap, loss
@@ -46,6 +48,7 @@ class Found:
 class Diagnosis:
     """What is missing, the model with it, and the steps of the search; the last one found nothing to add.
 
+    covariance: (k, k) of the shift of the last step's model, whose effects are found; None where none are.
     residual: a term of unknown mechanism, in the model, for part of a gap that no listed effect explains.
     """
 
@@ -53,6 +56,7 @@ class Diagnosis:
     found: tuple[Found, ...]
     model: Model
     steps: tuple[Step, ...]
+    covariance: NDArray[np.float64] | None = None
     residual: Residual | None = None
 
     def after(self, one: Found) -> Step:
@@ -81,12 +85,15 @@ def diagnose(
     if len(found) > 1:
         _drop_needless(rig, data, candidates, found, steps, report)
         step = steps[-1]
-    kept, model = _needed(found, step.model), step.model
+    kept, model, covariance = _needed(found, step.model), step.model, None
     verdict: Verdict = "effects" if kept else "unknown" if _excess(step) > OPEN else "none"
+    if kept:
+        sure = precise(rig, step.model, step.screen.spread, data)
+        model, covariance = sure.model, sure.covariance
     residual = _residual(rig, data, step, report) if _excess(step) > OPEN else None
     if residual is not None:
         model = residual.model
-    return Diagnosis(verdict, tuple(kept), model, tuple(steps), residual)
+    return Diagnosis(verdict, tuple(kept), model, tuple(steps), covariance, residual)
 
 
 def _drop_needless(

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,12 @@ LEAST = {"k3": 1e-6, "k4_per_us": 5e-10, "k5_per_dn_us": 1e-12, "k6": 5e-7}
 more would be anything."""
 BASE_SD = 0.5  # of the logarithm of a base parameter about what the camera file says
 SIZE_SD = 1.5  # of an effect's size about the one it was found with
-STEP = 0.15  # of a logarithm, for derivatives by runs with common noise
+STEP, WIDE_STEP = 0.15, 0.5  # of a logarithm, half to each side, for derivatives by runs with common noise
+SHARP = (
+    "k1",
+    "k2_dn",
+    "k5_per_dn_us",
+)  # bend in a STEP already; what others do is lost in noise in so short a one
 FLOOR_SHARE = 0.003  # of a statistic: the rig is not better than that
 EFFECT_SHARE = 0.1  # of what an effect in the model does: a real one has another form
 BASE_SHARE = 0.01  # of a base parameter: intervals at rest tell of leaks to a thousandth and drown all else
@@ -109,11 +115,13 @@ class Spread:
     """Of the twins of a model: mean and the v of each statistic, both (PARTS, n), the twins themselves, and
     (PARTS, n, k) slopes of the mean with respect to the model's `shift`.
 
-    lenient: v and EFFECT_SHARE of what the effects in the model do, in which more effects are looked for.
+    v2 is the twins' variance and `doubt2`, what a model is off by. lenient: v and EFFECT_SHARE of what the
+    effects in the model do, in which more effects are looked for.
     """
 
     mean: Values
     v: Values
+    doubt2: Values
     lenient: Values
     twins: list[Values]
     slopes: NDArray[np.float64]
@@ -123,30 +131,52 @@ class Spread:
         """The slopes in units of `lenient`."""
         return self.slopes / self.lenient[..., None]
 
-    def against_others(self, n: int) -> Values:
-        """Deviation of a twin from those that saw other versions of the light, in units of `lenient`."""
-        others = [twin for k, twin in enumerate(self.twins) if (k - n) % len(LIGHTS)]
-        return np.asarray((self.twins[n] - np.mean(others, axis=0)) / self.lenient)
+    @cached_property
+    def left_out(self) -> list[Values]:
+        """Of each twin, the deviation from those that saw other versions of the light, in units of the v that
+        these alone give: what a recording in which nothing is missing is like to twins that are not it."""
+        found = []
+        for n, twin in enumerate(self.twins):
+            mean, chance2 = _chance([other for k, other in enumerate(self.twins) if (k - n) % len(LIGHTS)])
+            found.append((twin - mean) / np.sqrt(chance2 + self.doubt2))
+        return found
 
 
 def spread_of(rig: Rig, model: Model, seeds: Sequence[int]) -> Spread:
     """Twins of a model: one for each seed."""
     twins = list(rig.runs([model.parameters()], seeds)[0])
-    mean, sd = np.mean(twins, axis=0), np.std(twins, axis=0, ddof=1)
+    mean, chance2 = _chance(twins)
     sloping = slopes(rig, model)
-    base, effects = sloping[..., : len(BASE)], sloping[..., len(BASE) :]
+    base, effects = np.split(sloping, [len(BASE)], axis=-1)
     of_base = BASE_SHARE**2 * (base**2).sum(axis=-1)
-    chance = np.maximum(sd, FLOORS) ** 2 * (1 + 1 / len(seeds))
-    v2 = chance + (FLOOR_SHARE * mean) ** 2 + of_base
-    lenient = np.sqrt(v2 + EFFECT_SHARE**2 * (effects**2).sum(axis=-1))
-    return Spread(mean, np.sqrt(v2), lenient, twins, sloping)
+    doubt2 = (FLOOR_SHARE * mean) ** 2 + of_base
+    lenient = np.sqrt(chance2 + doubt2 + EFFECT_SHARE**2 * (effects**2).sum(axis=-1))
+    return Spread(mean, np.sqrt(chance2 + doubt2), doubt2, lenient, twins, sloping)
 
 
-def slopes(rig: Rig, model: Model) -> NDArray[np.float64]:
-    """(PARTS, n, k): derivatives of what the battery sees with respect to the model's `shift`."""
-    k = len(model.shift)
-    there = [model.parameters((model.shift + row).tolist()) for row in STEP * np.eye(k)]
-    return np.stack([one / STEP for one in rig.changes(model.parameters(), there, SLOPES)], axis=-1)
+def _chance(twins: list[Values]) -> tuple[Values, Values]:
+    """Their mean, and the variance of one more about it."""
+    sd = np.maximum(np.std(twins, axis=0, ddof=1), FLOORS)
+    return np.mean(twins, axis=0), sd**2 * (1 + 1 / len(twins))
+
+
+def slopes(rig: Rig, model: Model, seeds: Sequence[int] = SLOPES) -> NDArray[np.float64]:
+    """(PARTS, n, k): derivatives of what the battery sees with respect to the model's `shift`.
+
+    By runs on both sides: with a sure parameter, a step to one side lands where lines have long bent.
+    """
+    k, moves = len(model.shift), np.diag(steps(model)) / 2
+    there = [model.parameters((model.shift + move).tolist()) for move in (*moves, *-moves)]
+    means = rig.means(there, seeds)
+    return np.stack([up - down for up, down in zip(means[:k], means[k:], strict=True)], axis=-1) / steps(
+        model
+    )
+
+
+def steps(model: Model) -> NDArray[np.float64]:
+    """(k,) from one side to the other."""
+    base = [STEP if name in SHARP else WIDE_STEP for _, name in BASE]
+    return np.array(base + [WIDE_STEP] * (len(model.shift) - len(BASE)))
 
 
 def flat(values: NDArray[np.float64], parts: Sequence[int] = TRAINING) -> NDArray[np.float64]:

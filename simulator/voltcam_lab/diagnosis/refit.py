@@ -74,19 +74,24 @@ class _Fit:
         return best
 
     def sized(self, best: Place, columns: NDArray[np.float64]) -> Place:
-        """By other sizes of each effect, with base parameters as they are or where straight lines have them
-        then."""
+        """By other sizes of each effect; base parameters follow on straight lines, and then once more from
+        where those lead: valleys are bent."""
         base = len(BASE)
         for k in range(base, columns.shape[1]):
             for step in SIZES:
-                alone, followed = np.zeros((2, columns.shape[1]))
-                alone[k] = followed[k] = step
-                z = self.z(best.mean) - columns[:, k] * step
-                follow = fitted(z, columns[:, :base], best.model.prior_sd[:base]).x
-                followed[:base] = np.clip(follow, -FURTHEST, FURTHEST)
-                tries = (self.place(best.model, move) for move in (alone, followed))
-                lower = next((one for one in tries if one.gap < best.gap - LITTLE), None)
-                if lower is not None:
+                move = np.zeros(columns.shape[1])
+                move[k] = step
+                move[:base] = self.follow(self.z(best.mean) - columns[:, k] * step, columns, best)
+                there = self.place(best.model, move)
+                move[:base] += self.follow(self.z(there.mean), columns, there)
+                lower = min(there, self.place(best.model, move), key=lambda one: one.gap)
+                if lower.gap < best.gap - LITTLE:
                     best = lower
                     break
         return best
+
+    def follow(self, z: NDArray[np.float64], columns: NDArray[np.float64], at: Place) -> NDArray[np.float64]:
+        """Where straight lines have base parameters for the least loss of z."""
+        base = len(BASE)
+        found = fitted(z, columns[:, :base], at.model.prior_sd[:base]).x
+        return np.clip(found, -FURTHEST, FURTHEST)

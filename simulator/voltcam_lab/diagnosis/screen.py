@@ -60,8 +60,7 @@ class Screen:
 def screen_of(
     rig: Rig, model: Model, spread: Spread, candidates: Sequence[Candidate], seeds: Sequence[int]
 ) -> Screen:
-    """Signatures by runs with common noise; the null by the twins of `spread`, each against those that saw
-    another version of the light."""
+    """Signatures by runs with common noise; the null by the twins of `spread`, each left out of it."""
     parameters = model.parameters()
     plan = [(candidate, size) for candidate in candidates for size in candidate.sizes]
     changes = rig.changes(parameters, [candidate.on(parameters, size) for candidate, size in plan], seeds)
@@ -70,5 +69,6 @@ def screen_of(
         for (candidate, size), change in zip(plan, changes, strict=True)
     )
     screen = Screen(model, spread, spread.columns, signatures, np.empty(0))
-    null = [screen.gains(flat(spread.against_others(n))).max() for n in range(len(spread.twins))]
+    lenience = spread.v / spread.lenient
+    null = [screen.gains(flat(z * lenience)).max() for z in spread.left_out]
     return replace(screen, null=np.array(null))

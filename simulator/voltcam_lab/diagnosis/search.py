@@ -79,7 +79,7 @@ def step_of(
         chosen += [index for index in _nearest(rig, screen, data, training) if index not in chosen]
     bench = Bench(rig, screen, data, left)
     trials = [bench.tried(index, float(gains[index])) for index in chosen]
-    chance = np.mean([loss((twin - spread.mean) / spread.v) for twin in spread.twins], axis=0)
+    chance = np.mean([loss(z) for z in spread.left_out], axis=0)
     floor_training, floor_held_out = (float(flat(chance, parts).mean()) for parts in (TRAINING, HELD_OUT))
     if trials:
         most = max(trial.gained for trial in trials)

@@ -91,7 +91,7 @@ def ranked(view: View, data: Values) -> Ranked:
 def gap_by_group(view: View, data: Values) -> dict[str, tuple[float, float]]:
     """Of each of the battery's groups, by letter, the held-out gap and what chance alone leaves."""
     z = ((data - view.expected) / view.spread.v)[list(HELD_OUT)]
-    twins = [((twin - view.spread.mean) / view.spread.v)[list(HELD_OUT)] for twin in view.spread.twins]
+    twins = [one[list(HELD_OUT)] for one in view.spread.left_out]
     found = {}
     for letter in dict.fromkeys(label.group for label in LABELS):
         mine = [label.group == letter for label in LABELS]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.diagnosis.identify import Known, covariance, detectable, known, short, smallest
+from voltcam_lab.diagnosis.identify import Known, detectable, short, smallest
 from voltcam_lab.diagnosis.model import BASE, flat
 
 from .conftest import Done
@@ -44,14 +44,15 @@ def test_the_gain_at_the_smallest_size_is_what_chance_reaches(done: Done) -> Non
 
 
 def test_the_covariance_is_one(done: Done) -> None:
-    found = covariance(done.diagnosis.steps[-1].screen)
+    found = done.diagnosis.covariance
+    assert found is not None
     np.testing.assert_allclose(found, found.T, rtol=1e-6, atol=1e-12)
     assert np.linalg.eigvalsh(found).min() > 0
     assert len(found) == len(BASE) + 1  # and the effect's size
 
 
 def test_parameters_that_move_together_are_named_by_each_other(done: Done) -> None:
-    found = {one.name: one for one in known(done.diagnosis.steps[0].screen)}
+    found = {one.name: one for one in done.told.base}
     for one in found.values():
         for partner, correlation in one.mixed_with.items():
             assert found[partner].mixed_with[one.name] == pytest.approx(correlation)

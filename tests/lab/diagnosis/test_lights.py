@@ -5,6 +5,7 @@ import pytest
 
 from voltcam_lab.diagnosis.lights import LIGHTS, light_behind
 from voltcam_lab.scene import scene_of
+from voltcam_video import Upsampling
 
 
 def frames() -> tuple[np.ndarray, np.ndarray]:
@@ -15,10 +16,11 @@ def frames() -> tuple[np.ndarray, np.ndarray]:
     return images.astype(np.float32), t_us
 
 
+@pytest.mark.parametrize("how", ["cubic", "auto"])
 @pytest.mark.parametrize("version", range(len(LIGHTS)))
-def test_at_each_frame_it_is_the_frame(version: int) -> None:
+def test_at_each_frame_it_is_the_frame(version: int, how: Upsampling) -> None:
     taken, t_us = frames()
-    shown = {t: image for image, t in light_behind(scene_of(taken, t_us, "cubic"), version)}
+    shown = {t: image for image, t in light_behind(scene_of(taken, t_us, how), version)}
     for image, t in zip(taken, t_us.tolist(), strict=True):
         assert shown[t] == pytest.approx(image, abs=1e-3)
 
