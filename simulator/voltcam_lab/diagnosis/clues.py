@@ -14,6 +14,9 @@ from .rig import Rig
 USUAL_ROW_US = 35.25  # DAVIS346
 USUAL_EXPOSURE_US = 500.0
 FLICKER_HZ = (40.0, 500.0)
+LEAST_LINE = (
+    8.0  # of the root of the number of events: without a lamp the loudest has 2 to 5, with 1 % 50 and more
+)
 DEPTHS = (0.002, 0.02, 0.05, 0.15)  # of the light, at which a lamp's phase is looked for
 
 
@@ -85,7 +88,8 @@ def in_step(rig: Rig, parameters: Parameters, lamp: Candidate, events: NDArray[n
     """Flicker with the phase at which the model's events come when those (EVENT) of the recording do: with
     frames at a fraction of the lamp's frequency it is always the same part of a frame that it disturbs.
 
-    How late events come depends on how deep the flicker is: the phase is taken where there are as many.
+    How late events come depends on how deep the flicker is: the phase is taken where there are as many. Where
+    no lamp is to be heard there is none to find, and no time spent on it.
     """
 
     def seen(run: NDArray[np.void]) -> complex:
@@ -98,6 +102,8 @@ def in_step(rig: Rig, parameters: Parameters, lamp: Candidate, events: NDArray[n
         )
 
     measured = seen(events)
+    if abs(measured) < LEAST_LINE * np.sqrt(events.size):
+        return lamp
     depth = np.interp(abs(measured), [abs(made(depth)) for depth in DEPTHS], DEPTHS)
     turns = np.angle(measured * np.conj(made(float(depth)))) / (2 * np.pi)
     return replace(lamp, others={**lamp.others, "phase_turns": float(turns)})

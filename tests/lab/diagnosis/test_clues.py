@@ -29,16 +29,28 @@ def test_a_lamp_that_makes_events_twice_a_period_is_not_taken_for_a_faster_one()
     assert loudest_hz(t_us.astype(np.int64), np.cos(phase[kept]) > 0) == pytest.approx(100, abs=0.2)
 
 
+PAPER = Parameters.of("paper")
+LAMP = Lamp("flicker", ("depth", "advance"), ((0.02, 1.0),), {"frequency_hz": 99.99, "phase_turns": 0.0})
+
+
+def swaying() -> Rig:
+    t_us = np.arange(0, 2_000_001, 5000)
+    grey = 100 + 60 * np.sin(2e-6 * np.pi * t_us[:, None, None] + np.arange(16) * 0.4 + np.zeros((12, 1)))
+    return Rig(setting_of(scene_of(grey.astype(np.float32), t_us, "cubic"), t_us, parameters=PAPER), 1)
+
+
 @pytest.mark.parametrize("turns", [0.3, -0.2])
 def test_the_phase_of_flickering_light(turns: float) -> None:
-    paper, t_us = Parameters.of("paper"), np.arange(0, 2_000_001, 5000)
-    grey = 100 + 60 * np.sin(2e-6 * np.pi * t_us[:, None, None] + np.arange(16) * 0.4 + np.zeros((12, 1)))
-    rig = Rig(setting_of(scene_of(grey.astype(np.float32), t_us, "cubic"), t_us, parameters=paper), 1)
-    lamp = Lamp("flicker", ("depth", "advance"), ((0.02, 1.0),), {"frequency_hz": 99.99, "phase_turns": 0.0})
-    there = paper.changed({"flicker": {"frequency_hz": 99.99, "depth": 0.04, "phase_turns": turns}})
-    found = in_step(rig, paper, lamp, rig.events(there, [5])[0])
+    rig = swaying()
+    there = PAPER.changed({"flicker": {"frequency_hz": 99.99, "depth": 0.04, "phase_turns": turns}})
+    found = in_step(rig, PAPER, LAMP, rig.events(there, [5])[0])
     assert found.others["frequency_hz"] == 99.99
     assert found.others["phase_turns"] == pytest.approx(turns, abs=0.01)
+
+
+def test_no_phase_is_looked_for_where_no_lamp_is_to_be_heard() -> None:
+    rig = swaying()
+    assert in_step(rig, PAPER, LAMP, rig.events(PAPER, [5])[0]) is LAMP
 
 
 def test_the_tick_of_time_stamps() -> None:
