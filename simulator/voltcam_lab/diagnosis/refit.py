@@ -12,7 +12,7 @@ from .robust import fitted, gap
 
 FURTHEST = 0.8  # of a logarithm, in one step
 LENGTHS = (1.0, 0.4, 0.1)  # of a step, until one of them leads down
-SIZES = (0.15, -0.15, 0.5, -0.5)  # of a logarithm: an effect's size is tried that much larger and smaller
+SIZES = (0.15, 0.5)  # of a logarithm: an effect's size is tried that much larger, or smaller
 LITTLE = 0.005  # of the gap: less is not worth another step
 
 
@@ -74,11 +74,12 @@ class _Fit:
         return best
 
     def sized(self, best: Place, columns: NDArray[np.float64]) -> Place:
-        """By other sizes of each effect; base parameters follow on straight lines, and then once more from
-        where those lead: valleys are bent."""
+        """By other sizes of each effect, larger or smaller as straight lines have it; base parameters follow
+        on these, and then once more from where they lead: valleys are bent."""
         base = len(BASE)
         for k in range(base, columns.shape[1]):
-            for step in SIZES:
+            side = np.sign(fitted(self.z(best.mean), columns, best.model.prior_sd).x[k])
+            for step in side * np.array(SIZES):
                 move = np.zeros(columns.shape[1])
                 move[k] = step
                 move[:base] = self.follow(self.z(best.mean) - columns[:, k] * step, columns, best)

@@ -73,7 +73,8 @@ def step_of(
     least = LEAST_GAIN if first is None else max(
         LEAST_GAIN, LEFT_OVER * flat(rest).size * (first.training - training)
     )  # fmt: skip
-    worth = p_value <= (ALPHA if first is None else NEXT_ALPHA) and gains.max() > least / 2
+    beyond = (ALPHA, least / 2) if first is None else (NEXT_ALPHA, least)
+    worth = p_value <= beyond[0] and gains.max() > beyond[1]
     chosen = _best(screen, gains, TRIED) if worth else []
     if worth and training > FAR:
         chosen += [index for index in _nearest(rig, screen, data, training) if index not in chosen]

@@ -12,7 +12,7 @@ from voltcam_simulator import Camera, Parameters
 
 from ..battery import setting_of
 from ..grey_levels import unrounded
-from ..health import Health, examine
+from ..health import Finding, Health, examine
 from ..light_between import calm, frame_noise2
 from ..scene import Scene, scene_of
 from .catalogue import Asymmetry, Candidate, catalogue
@@ -25,6 +25,7 @@ MOST_SAMPLES = 3_500_000  # pixels x frames, all of 60 x 60 pixels for 10 s at 1
 MOST_EVENTS = 200_000
 MOST_SECONDS = 10.0
 FEWEST_FRAMES = 10
+LONGEST_WAIT_US = 100_000  # of events before a readout that is too slow
 NOISY_DN2 = 0.15  # variance: rounding has 1/12
 _TRUSTED = 0.9
 _CLOCK_US = 4_032_000  # a multiple of all ticks a camera may have: stamps stay as divisible as they are
@@ -85,8 +86,9 @@ def session_of(
     Raises DiagnosisError where a diagnosis makes no sense.
     """
     health = examine(recording)
-    if health.fatal:
-        raise DiagnosisError(f"{name}: {'; '.join(finding.words for finding in health.fatal)}")
+    fatal = [finding for finding in health.fatal if not _may_wait(finding)]
+    if fatal:
+        raise DiagnosisError(f"{name}: {'; '.join(finding.words for finding in fatal)}")
     recording = cut(recording, seconds)
     if recording.frames is None or recording.frame_t_us is None or len(recording.frames) < FEWEST_FRAMES:
         raise DiagnosisError(
@@ -178,6 +180,12 @@ def seen(frames: NDArray[Any], t_us: NDArray[np.int64], columns: NDArray[np.int6
     auto = Scene(auto.taken[:, :, columns], t_us, auto.images[:, :, columns], auto.t_us, "auto")
     auto.__dict__["surprise"] = surprise.reshape(len(t_us), -1)  # its own would come from narrow strips
     return auto if auto.trusted().mean() > cubic.trusted().mean() else cubic
+
+
+def _may_wait(finding: Finding) -> bool:
+    """Whether what looks like another clock may be events that queue: to tell these is for the diagnosis."""
+    late_us: float = finding.numbers.get("late_us", 0.0)
+    return 0 < late_us < LONGEST_WAIT_US
 
 
 def _is_on(candidate: Candidate, parameters: Parameters) -> bool:

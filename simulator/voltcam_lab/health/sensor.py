@@ -77,7 +77,7 @@ def clock(subject: Subject) -> Finding:
     sure_us = 3 * lag.uncertainty_us
     if lag.lag_us - sure_us > late_us or lag.lag_us + sure_us < -early_us:
         words = f"frames and events are on different clocks: {words}; shift the frames' times by it"
-        return Finding("clock", "fatal", words, numbers)
+        return Finding("clock", "fatal", words, {**numbers, "late_us": lag.lag_us})
     drifts = abs(lag.drift_ppm) > 2000 and abs(lag.drift_ppm) > 5 * lag.drift_uncertainty_ppm
     if drifts:
         words += f"; the clocks drift apart by {lag.drift_ppm:.0f} ppm"

@@ -34,10 +34,21 @@ def test_what_a_recording_lacks_is_said_in_a_line(tiny: Recording, tmp_path: Pat
     refused(replace(tiny, frames=np.zeros_like(tiny.frames)), tmp_path)
 
 
-def test_events_of_another_clock_are_refused(tiny: Recording, tmp_path: Path) -> None:
-    events = tiny.events.copy()
-    events["t"] += 3_600_000_000
-    refused(replace(tiny, events=events), tmp_path)
+def late(recording: Recording, by_us: int) -> Recording:
+    events = recording.events.copy()
+    events["t"] += by_us
+    return replace(recording, events=events)
+
+
+@pytest.mark.parametrize("by_us", [3_600_000_000, 200_000])
+def test_events_of_another_clock_are_refused(tiny: Recording, tmp_path: Path, by_us: int) -> None:
+    refused(late(tiny, by_us), tmp_path)
+
+
+def test_events_that_may_have_queued_are_looked_at(tiny: Recording, tmp_path: Path) -> None:
+    session = session_of(late(tiny, 60_000), PAPER, tmp_path)
+    assert session.health["clock"].severity == "fatal"
+    assert "readout" in {one.effect for one in session.candidates}
 
 
 def test_a_session_has_the_recording_s_size_and_looks_at_all_of_a_small_sensor(
