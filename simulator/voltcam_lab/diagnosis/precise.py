@@ -32,11 +32,12 @@ def precise(rig: Rig, model: Model, spread: Spread, data: Values | None = None) 
     columns = flat(slopes(rig, model, SEEDS) / spread.lenient[..., None])
     prior = np.diag(model.prior_sd**-2.0)
     z = np.zeros(len(columns)) if data is None else flat((data - spread.mean) / spread.lenient)
-    x = np.zeros(columns.shape[1])
+    weight, x = np.ones(len(z)), np.zeros(columns.shape[1])
     for _ in range(ROUNDS):
+        hessian = columns.T @ (columns * weight[:, None]) + prior
+        x = np.clip(np.linalg.solve(hessian, columns.T @ (weight * z)), -FURTHEST, FURTHEST)
         weight = 1 / np.sqrt(1 + ((z - columns @ x) / SOFT) ** 2)
-        inverse = np.linalg.inv(columns.T @ (columns * weight[:, None]) + prior)
-        x = np.clip(inverse @ columns.T @ (weight * z), -FURTHEST, FURTHEST)
+    inverse = np.linalg.inv(columns.T @ (columns * weight[:, None]) + prior)
     scores = [columns.T @ (weight * flat((twin - spread.mean) / spread.lenient)) for twin in spread.twins]
     scattered = np.cov(np.transpose(scores)) * (1 + 1 / len(spread.twins))
     found = inverse @ (scattered + prior) @ inverse
