@@ -24,8 +24,8 @@ def test_a_fitted_model_is_moved_to_where_its_twins_say() -> None:
 
 
 def test_the_covariance_is_that_of_repeated_recordings() -> None:
-    """Of 60, whose standard deviation is off by 9 % (one sigma); that of 28 twins is by 14 %. A factor of 2 is
-    beyond four sigma for each of seven parameters: false alarm in less than one of 1000."""
+    """Of 60, whose standard deviation is off by 9 % (one sigma); that of 28 twins is by 14 %. A factor of 2
+    is beyond four sigma for each of seven parameters: false alarm in less than one of 1000."""
     many = [found(seed) for seed in range(100, 160)]
     sd = np.std([one.model.shift for one in many], axis=0, ddof=1)
     said = np.sqrt(np.diag(many[0].covariance))
