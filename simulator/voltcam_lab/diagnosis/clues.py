@@ -14,9 +14,7 @@ from .rig import Rig
 USUAL_ROW_US = 35.25  # DAVIS346
 USUAL_EXPOSURE_US = 500.0
 FLICKER_HZ = (40.0, 500.0)
-LEAST_LINE = (
-    8.0  # of the root of the number of events: without a lamp the loudest has 2 to 5, with 1 % 50 and more
-)
+LEAST_LINE = 8.0  # of the root of the number of events: the loudest has 2 to 5 without a lamp, 50 with 1 %
 DEPTHS = (0.002, 0.02, 0.05, 0.15)  # of the light, at which a lamp's phase is looked for
 
 

@@ -34,9 +34,7 @@ from .where import Ranked, View, ranked, views
 
 MOST_STRATA = 50
 _90 = 1.645
-_SYSTEMATIC = (
-    0.1  # of a size: effects differ in form, light in what frames leave open; no interval is narrower
-)
+_SYSTEMATIC = 0.1  # of a size, for its form and the light: no interval is narrower
 _BEYOND = 0.1  # false discovery rate
 
 

@@ -28,11 +28,8 @@ more would be anything."""
 BASE_SD = 0.5  # of the logarithm of a base parameter about what the camera file says
 SIZE_SD = 1.5  # of an effect's size about the one it was found with
 STEP, WIDE_STEP = 0.15, 0.5  # of a logarithm, half to each side, for derivatives by runs with common noise
-SHARP = (
-    "k1",
-    "k2_dn",
-    "k5_per_dn_us",
-)  # bend in a STEP already; what others do is lost in noise in so short a one
+SHARP = ("k1", "k2_dn", "k5_per_dn_us")
+"""What these do bends within a STEP; what others do, and effects, is lost in its noise."""
 FLOOR_SHARE = 0.003  # of a statistic: the rig is not better than that
 EFFECT_SHARE = 0.1  # of what an effect in the model does: a real one has another form
 BASE_SHARE = 0.01  # of a base parameter: intervals at rest tell of leaks to a thousandth and drown all else
@@ -165,18 +162,14 @@ def slopes(rig: Rig, model: Model, seeds: Sequence[int] = SLOPES) -> NDArray[np.
 
     By runs on both sides: with a sure parameter, a step to one side lands where lines have long bent.
     """
-    k, moves = len(model.shift), np.diag(steps(model)) / 2
+    k = len(model.shift)
+    steps = np.full(k, WIDE_STEP)
+    steps[: len(BASE)] = [STEP if name in SHARP else WIDE_STEP for _, name in BASE]
+    moves = np.diag(steps / 2)
     there = [model.parameters((model.shift + move).tolist()) for move in (*moves, *-moves)]
     means = rig.means(there, seeds)
-    return np.stack([up - down for up, down in zip(means[:k], means[k:], strict=True)], axis=-1) / steps(
-        model
-    )
-
-
-def steps(model: Model) -> NDArray[np.float64]:
-    """(k,) from one side to the other."""
-    base = [STEP if name in SHARP else WIDE_STEP for _, name in BASE]
-    return np.array(base + [WIDE_STEP] * (len(model.shift) - len(BASE)))
+    change = np.stack([up - down for up, down in zip(means[:k], means[k:], strict=True)], axis=-1)
+    return np.asarray(change / steps)
 
 
 def flat(values: NDArray[np.float64], parts: Sequence[int] = TRAINING) -> NDArray[np.float64]:
