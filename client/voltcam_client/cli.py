@@ -114,9 +114,12 @@ The latency is this machine's clock less the camera's: synchronise the two befor
 def _listen(args: argparse.Namespace) -> int:
     end = time.monotonic() + (args.seconds or math.inf)
     heard = False
-    with camera.EventCamera(args.url) as source:
+    # A flag, because the exception of Ctrl-C is lost if it meets a destructor.
+    with camera.EventCamera(args.url) as source, _until_signal(signal.SIGINT) as stopped:
         while (left_s := end - time.monotonic()) > 0:
-            rates = measure(source, min(1.0, left_s))
+            rates = measure(source, min(1.0, left_s), stopped.is_set)
+            if stopped.is_set():
+                return 128 + signal.SIGINT
             heard = heard or rates.packets_per_s > 0
             print(json.dumps(asdict(rates)) if args.json else rates, flush=True)
     if not heard:
@@ -153,7 +156,7 @@ def _record(args: argparse.Namespace) -> int:
         raise ValueError(f"record takes [URL] FILE, not {' '.join(args.target)}: quote names with blanks")
     url, file = [camera.DEFAULT_URL, *args.target][-2:]
     path = Path(file)
-    with _until_signal() as stopped, _live_line() as show:
+    with _until_signal(signal.SIGINT, signal.SIGTERM) as stopped, _live_line() as show:
         progress = record(
             url,
             path,
@@ -176,10 +179,9 @@ def _in_words(progress: Progress, path: Path) -> str:
 
 
 @contextmanager
-def _until_signal() -> Iterator[threading.Event]:
-    """Set by Ctrl-C or SIGTERM, which then do no more than that: a write is not cut in two."""
+def _until_signal(*signals: signal.Signals) -> Iterator[threading.Event]:
+    """Set by these signals, which then do no more than that: a write is not cut in two."""
     stopped = threading.Event()
-    signals = (signal.SIGINT, signal.SIGTERM)
     before = [signal.signal(number, lambda *_: stopped.set()) for number in signals]
     try:
         yield stopped

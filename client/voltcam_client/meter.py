@@ -1,6 +1,7 @@
 """The rates of a running camera: what `voltcam listen` prints."""
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,12 +39,12 @@ class Rates:
         )
 
 
-def measure(camera: EventCamera, seconds: float) -> Rates:
-    """Receive for so many seconds, and sum up."""
+def measure(camera: EventCamera, seconds: float, stop: Callable[[], bool] = lambda: False) -> Rates:
+    """Receive for so many seconds, or until `stop` says so, and sum up."""
     begin = time.monotonic()
     last, event_count, on_count = None, 0, 0
     latencies_us: list[int] = []
-    while (left_s := begin + seconds - time.monotonic()) > 0:
+    while (left_s := begin + seconds - time.monotonic()) > 0 and not stop():
         packet = camera.receive(left_s)
         if packet is None:
             continue
