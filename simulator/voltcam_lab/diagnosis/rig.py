@@ -3,7 +3,7 @@
 import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import groupby
 
 import numpy as np
@@ -21,6 +21,7 @@ Image = tuple[NDArray[np.float32], int]
 LEAD_IN_US = 300_000  # for which a camera has been there before it records: light that flickers, queues
 LEAD_IN_PULSES = 60  # of the frame readout, if there are any: they have fired by then whom they can at once
 LEAD_OUT_US = 100_000  # for which it goes on, for events that are late
+REMEMBERED = 500  # batches, some 50 MB: a fit begins where another one has been
 PLACED = ("crosstalk", "readout", "usb_overflow", "vignetting")
 """Effects to which a pixel's column or what others do matters: they do not act on sensors side by side."""
 
@@ -35,6 +36,7 @@ class Rig:
     def __init__(self, setting: Setting, threads: int | None = None) -> None:
         self.setting = setting
         self._threads = threads or os.cpu_count() or 1
+        self._run = lru_cache(REMEMBERED)(self.run)
 
     @cached_property
     def _known(self) -> NDArray[np.bool_]:
@@ -101,7 +103,7 @@ class Rig:
         _ = self._lights  # before there are threads that would each make them
         with ThreadPoolExecutor(self._threads) as pool:
             jobs = [(parameters, batch) for parameters in many for batch in batches]
-            found = list(pool.map(lambda job: self.run(job[0], job[1], apart), jobs))
+            found = list(pool.map(lambda job: self._run(*job, apart), jobs))
         n = len(batches)
         return [np.concatenate(found[n * k : n * (k + 1)]) for k in range(len(many))]
 
@@ -130,8 +132,8 @@ def _lead_in_us(parameters: Parameters) -> int:
     return max(LEAD_IN_US, round(LEAD_IN_PULSES * pulses.frame_period_us) if pulses.active else 0)
 
 
-def _batches(seeds: Sequence[int]) -> list[list[int]]:
-    return [list(batch) for _, batch in groupby(seeds, lambda seed: seed // len(LIGHTS))]
+def _batches(seeds: Sequence[int]) -> list[tuple[int, ...]]:
+    return [tuple(batch) for _, batch in groupby(seeds, lambda seed: seed // len(LIGHTS))]
 
 
 def _moving(light: Iterator[Image]) -> Iterator[Image]:

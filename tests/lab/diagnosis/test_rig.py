@@ -54,6 +54,18 @@ def test_the_same_seeds_give_the_same_noise(rig: Rig) -> None:
     assert changed.any()
 
 
+def test_what_was_run_is_remembered(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fits begin where others have been: the same runs again are the same numbers, and not simulated."""
+    again, simulated, observe = Rig(rig.setting), [], rig.observe
+    monkeypatch.setattr(Rig, "observe", lambda self, events: simulated.append(events) or observe(events))
+    many = [PAPER, PAPER.changed({"photon_noise": {"k3": 1e-3}})]
+    first, second = again.runs(many, range(4)), again.runs(many[::-1], range(4))[::-1]
+    assert len(simulated) == 2 * 4
+    for one, other, parameters in zip(first, second, many, strict=True):
+        np.testing.assert_array_equal(one, other)
+        np.testing.assert_array_equal(one, again.run(parameters, range(4)))
+
+
 @pytest.mark.parametrize("name", [*PLACED, "residual_drift"])
 def test_where_columns_or_others_matter_sensors_are_not_joined(name: str) -> None:
     sizes: dict[str, dict[str, float]] = {
