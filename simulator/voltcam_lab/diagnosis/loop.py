@@ -24,6 +24,7 @@ TOLERANCE = 0.25  # of the gap over its floor: what an explanation may leave
 OPEN = 0.25  # of the gap over its floor: what frames may leave open without anything missing
 SHARE = 0.8  # of the gap over its floor: an effect that removes so much is named though not all is explained
 LEAST_SHARE = 0.3  # the same, of an effect that removes SHARE of it where it changes anything
+CLOSING_SHARE = 0.6  # the same, of an effect that leaves next to nothing; little is soon closed by half
 OF_ALL, OF_REST = 0.9, 0.5  # the same, of several together, and of the last of these
 MOVED = 2.0  # of the spread: what an effect changes
 HELD_OUT_SHARE = 0.3  # of the training gain, by statistic, that held-out data must confirm
@@ -86,11 +87,16 @@ def diagnose(
         _drop_needless(rig, data, candidates, found, steps, report)
         step = steps[-1]
     kept, model, covariance = _needed(found, step.model), step.model, None
+    residual = _residual(rig, data, step, report) if _excess(step) > OPEN else None
+    if kept and residual is not None:
+        instead = _residual(rig, data, steps[0], report)
+        if instead is not None and instead.trial.training < step.training:
+            report("It explains more by itself than what was named: that name goes.")
+            return Diagnosis("unknown", (), instead.model, (steps[0],), None, instead)
     verdict: Verdict = "effects" if kept else "unknown" if _excess(step) > OPEN else "none"
     if kept:
         sure = precise(rig, step.model, step.screen.spread, data)
         model, covariance = sure.model, sure.covariance
-    residual = _residual(rig, data, step, report) if _excess(step) > OPEN else None
     if residual is not None:
         model = residual.model
     return Diagnosis(verdict, tuple(kept), model, tuple(steps), covariance, residual)
@@ -167,8 +173,8 @@ def _explains(before: Step, after: Step, first: Step) -> bool:
     was, left = (float((loss(flat(step.rest)) - flat(step.chance))[own].sum()) for step in (before, after))
     part = removed >= LEAST_SHARE and _excess(after) <= 2 * TOLERANCE
     alone = part and was > 0 and left <= (1 - SHARE) * was
-    enough = before is first or removed >= LEAST_SHARE
-    return enough and (_excess(after) <= closed or removed >= SHARE or alone)
+    least = CLOSING_SHARE if before is first else LEAST_SHARE
+    return (_excess(after) <= closed and removed >= least) or removed >= SHARE or alone
 
 
 def _explain_together(begin: Step, before: Step, after: Step) -> bool:

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property, lru_cache
 from itertools import groupby
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +37,6 @@ class Rig:
     def __init__(self, setting: Setting, threads: int | None = None) -> None:
         self.setting = setting
         self._threads = threads or os.cpu_count() or 1
-        self._run = lru_cache(REMEMBERED)(self.run)
 
     @cached_property
     def _known(self) -> NDArray[np.bool_]:
@@ -51,6 +51,11 @@ class Rig:
             for images in zip(*versions, strict=True)
         )
         return list(_moving(joined))
+
+    @cached_property
+    def _run(self) -> Any:
+        """`run`, which remembers."""
+        return lru_cache(REMEMBERED)(self.run)
 
     def run(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> Values:
         """(seeds, PARTS, n) what the battery sees of a batch of runs, comparable; see `events`."""
@@ -103,7 +108,7 @@ class Rig:
         _ = self._lights  # before there are threads that would each make them
         with ThreadPoolExecutor(self._threads) as pool:
             jobs = [(parameters, batch) for parameters in many for batch in batches]
-            found = list(pool.map(lambda job: self._run(*job, apart), jobs))
+            found: list[Values] = list(pool.map(lambda job: self._run(job[0], job[1], apart), jobs))
         n = len(batches)
         return [np.concatenate(found[n * k : n * (k + 1)]) for k in range(len(many))]
 
