@@ -23,8 +23,9 @@ LEAD_IN_US = 300_000  # for which a camera has been there before it records: lig
 LEAD_IN_PULSES = 60  # of the frame readout, if there are any: they have fired by then whom they can at once
 LEAD_OUT_US = 100_000  # for which it goes on, for events that are late
 REMEMBERED = 500  # batches, some 50 MB: a fit begins where another one has been
-PLACED = ("crosstalk", "readout", "usb_overflow", "vignetting")
+PLACED = ("readout", "usb_overflow", "vignetting")
 """Effects to which a pixel's column or what others do matters: they do not act on sensors side by side."""
+GUTTER = 1  # dark columns between sensors side by side: no event of one is a neighbour of the next
 
 
 class Rig:
@@ -44,10 +45,10 @@ class Rig:
 
     @cached_property
     def _lights(self) -> list[Image]:
-        """All versions of the light, side by side."""
+        """All versions of the light, side by side, each with a gutter on its right."""
         versions = [light_behind(self.setting.scene, version) for version in range(len(LIGHTS))]
         joined = (
-            (np.concatenate([image for image, _ in images], axis=1), images[0][1])
+            (np.hstack([np.pad(image, ((0, 0), (0, GUTTER))) for image, _ in images]), images[0][1])
             for images in zip(*versions, strict=True)
         )
         return list(_moving(joined))
@@ -84,16 +85,17 @@ class Rig:
             return [self._simulated(parameters, seed, 1) for seed in seeds]
         width, events = self.setting.scene.width, self._simulated(parameters, seeds[0], len(seeds))
         found = []
-        for k in range(len(seeds)):
-            own = events[events["x"] // width == k]
-            own["x"] -= k * width
+        for left in range(0, len(seeds) * (width + GUTTER), width + GUTTER):
+            own = events[(events["x"] >= left) & (events["x"] < left + width)]
+            own["x"] -= left
             found.append(own)
         return found
 
     def _simulated(self, parameters: Parameters, seed: int, copies: int) -> Events:
-        scene, first = self.setting.scene, seed % len(LIGHTS)
-        columns = slice(first * scene.width, (first + copies) * scene.width)
-        simulator = Simulator(copies * scene.width, scene.height, parameters, seed=seed)
+        scene = self.setting.scene
+        left = seed % len(LIGHTS) * (scene.width + GUTTER)
+        columns = slice(left, left + copies * (scene.width + GUTTER) - GUTTER)
+        simulator = Simulator(columns.stop - left, scene.height, parameters, seed=seed)
         first_image, begin_us = self._lights[0]
         simulator.advance(first_image[:, columns], begin_us - _lead_in_us(parameters))
         found = [simulator.advance(image[:, columns], t_us) for image, t_us in self._lights]

@@ -27,8 +27,9 @@ def rig() -> Rig:
         {},
         {"aps_coupling": {"readout_kick": 0.2, "reset_kick": -0.1}},
         {"residual_drift": {"per_us": 1e-6, "power": 1.0, "down": 0.9}},
+        {"crosstalk": {"coupling": 0.1}},
     ],
-    ids=["paper", "row scan", "drift down the rows"],
+    ids=["paper", "row scan", "drift down the rows", "crosstalk"],
 )
 def test_sensors_side_by_side_see_what_single_ones_do(rig: Rig, effects: dict[str, dict[str, float]]) -> None:
     """Means of 24 runs each differ as those of other noise do: the mean square of 4 n deviations is off 1 by
@@ -69,7 +70,6 @@ def test_what_was_run_is_remembered(rig: Rig, monkeypatch: pytest.MonkeyPatch) -
 @pytest.mark.parametrize("name", [*PLACED, "residual_drift"])
 def test_where_columns_or_others_matter_sensors_are_not_joined(name: str) -> None:
     sizes: dict[str, dict[str, float]] = {
-        "crosstalk": {"coupling": 0.1},
         "readout": {"event_us": 10},
         "residual_drift": {"per_us": 1e-6, "across": 0.5},
         "usb_overflow": {"max_rate_events_per_s": 1e5},
