@@ -23,6 +23,7 @@ from .stored import StoredRig
 
 MOST_SAMPLES = 3_500_000  # pixels x frames, all of 60 x 60 pixels for 10 s at 100 frames/s
 MOST_EVENTS = 200_000
+MOST_STEPS = 15_000_000  # pixels x steps that effects of the camera file ask the simulator for
 MOST_SECONDS = 10.0
 FEWEST_FRAMES = 10
 LONGEST_WAIT_US = 100_000  # of events before a readout that is too slow
@@ -95,7 +96,7 @@ def session_of(
             f"{name} has fewer than {FEWEST_FRAMES} frames in {seconds:g} s: give more of it"
         )
     camera = camera.model_copy(update={"width": recording.width, "height": recording.height})
-    columns = sample(recording, most_samples)
+    columns = sample(recording, most_samples, longest_step_us(camera.parameters))
     scene = seen(recording.frames, recording.frame_t_us, columns)
     part = in_columns(recording, columns)
     if not len(part.events):
@@ -136,14 +137,25 @@ def cut(recording: Recording, seconds: float) -> Recording:
     )
 
 
-def sample(recording: Recording, most_samples: int) -> NDArray[np.int64]:
+def longest_step_us(parameters: Parameters) -> float:
+    """Of the simulator; inf: from image to image."""
+    return min((effect.longest_step_us for effect in parameters.effects() if effect.active), default=np.inf)
+
+
+def sample(recording: Recording, most_samples: int, step_us: float = np.inf) -> NDArray[np.int64]:
     """Columns to look at, ascending: all, or two strips, where light changes most and where it does little.
 
-    As many as samples of light (pixels x frames) and MOST_EVENTS allow. Rows are kept whole and complete,
-    since readout goes by rows.
+    As many as samples of light (pixels x frames), MOST_EVENTS, and MOST_STEPS of step_us allow. Rows are kept
+    whole and complete, since readout goes by rows.
     """
     assert recording.frames is not None
-    share = min(most_samples / recording.frames.size, MOST_EVENTS / max(len(recording.events), 1))
+    assert recording.frame_t_us is not None
+    steps = recording.frames[0].size * float(np.ptp(recording.frame_t_us)) / step_us
+    share = min(
+        most_samples / recording.frames.size,
+        MOST_EVENTS / max(len(recording.events), 1),
+        MOST_STEPS / max(steps, 1.0),
+    )
     wide = max(6, int(share * recording.width / 2))
     if share >= 1 or 3 * wide > recording.width:  # nearly all: then all
         return np.arange(recording.width)

@@ -8,7 +8,7 @@ import pytest
 
 from voltcam_client.formats import Recording
 from voltcam_lab.diagnosis.rig import Rig
-from voltcam_lab.diagnosis.session import DiagnosisError, cut, sample, session_of
+from voltcam_lab.diagnosis.session import DiagnosisError, cut, longest_step_us, sample, session_of
 from voltcam_lab.diagnosis.stored import StoredRig
 from voltcam_simulator import EVENT, Camera, Parameters
 
@@ -80,6 +80,15 @@ def test_of_a_large_sensor_strips_of_whole_columns_are_looked_at(tiny: Recording
     np.testing.assert_array_equal(columns[again["x"]], mine["x"][: len(again)])
     assert "vignetting" in session.left_out
     assert "16 of 32 columns" in session.looked_at()
+
+
+@pytest.mark.parametrize(("cutoff_hz", "columns"), [(2000, 32), (20_000, 18), (100_000, 12)])
+def test_of_a_camera_that_takes_many_steps_less_is_looked_at(
+    tiny: Recording, cutoff_hz: float, columns: int
+) -> None:
+    """A photoreceptor of 20 kHz has the simulator stop every 64 us: 24 million steps of a pixel in 2 s."""
+    fast = PAPER.parameters.changed({"photoreceptor_bandwidth": {"cutoff_hz": cutoff_hz}})
+    assert len(sample(tiny, 10**9, longest_step_us(fast))) == columns
 
 
 def test_strips_are_where_most_and_where_little_changes(tiny: Recording) -> None:
