@@ -87,16 +87,11 @@ def diagnose(
         _drop_needless(rig, data, candidates, found, steps, report)
         step = steps[-1]
     kept, model, covariance = _needed(found, step.model), step.model, None
-    residual = _residual(rig, data, step, report) if _excess(step) > OPEN else None
-    if kept and residual is not None:
-        instead = _residual(rig, data, steps[0], report)
-        if instead is not None and instead.trial.training < step.training:
-            report("It explains more by itself than what was named: that name goes.")
-            return Diagnosis("unknown", (), instead.model, (steps[0],), None, instead)
     verdict: Verdict = "effects" if kept else "unknown" if _excess(step) > OPEN else "none"
     if kept:
         sure = precise(rig, step.model, step.screen.spread, data)
         model, covariance = sure.model, sure.covariance
+    residual = _residual(rig, data, step, report) if _excess(step) > OPEN else None
     if residual is not None:
         model = residual.model
     return Diagnosis(verdict, tuple(kept), model, tuple(steps), covariance, residual)

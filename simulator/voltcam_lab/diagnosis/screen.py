@@ -13,6 +13,7 @@ from .rig import Rig
 from .robust import Fitted, fitted
 
 AMOUNT_SD = 1.0  # of an effect's amount about 0, in units of the size tried
+OPEN_GAIN = 5.0  # of training loss: what light that frames leave open adds to any recording's, not to twins'
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +33,7 @@ class Screen:
     spread: Spread
     base: NDArray[np.float64]  # (PARTS, n, k) of the model's own parameters
     signatures: tuple[Signature, ...]
-    null: NDArray[np.float64]  # (twins,) each one's largest gain over the catalogue
+    null: NDArray[np.float64]  # (twins,) each one's largest gain over the catalogue, and OPEN_GAIN
 
     def own(self, z: NDArray[np.float64]) -> Fitted:
         """The part of training deviations z that the model's own parameters can take up."""
@@ -71,4 +72,4 @@ def screen_of(
     screen = Screen(model, spread, spread.columns, signatures, np.empty(0))
     lenience = spread.v / spread.lenient
     null = [screen.gains(flat(z * lenience)).max() for z in spread.left_out]
-    return replace(screen, null=np.array(null))
+    return replace(screen, null=np.array(null) + OPEN_GAIN)

@@ -25,6 +25,7 @@ LEFT_BEHIND = 0.04  # of the training gap explained so far: what an effect may l
 LEFT_OVER = 0.01  # the same, in a single other effect's direction
 FAR = 2.0  # a gap, eight times what chance leaves, from which the score test alone says little
 NEARLY = 0.7  # of the best: what seems that good is fitted a second time
+AT_CHANCE = 0.1  # of the gap over its floor: an effect that leaves no more has found its valley
 AS_GOOD = 15.0  # of training loss: rivals that are no worse are not told apart
 DOUBT = 2.0  # the same, for each unit of the distance between what two effects do: losses scatter by that
 
@@ -78,10 +79,10 @@ def step_of(
     chosen = _best(screen, gains, TRIED) if worth else []
     if worth and training > FAR:
         chosen += [index for index in _nearest(rig, screen, data, training) if index not in chosen]
-    bench = Bench(rig, screen, data, left)
-    trials = [bench.tried(index, float(gains[index])) for index in chosen]
     chance = np.mean([loss(z) for z in spread.left_out], axis=0)
     floor_training, floor_held_out = (float(flat(chance, parts).mean()) for parts in (TRAINING, HELD_OUT))
+    bench = Bench(rig, screen, data, left, floor_training + AT_CHANCE)
+    trials = [bench.tried(index, float(gains[index])) for index in chosen]
     if trials:
         most = max(trial.gained for trial in trials)
         seem = [one.gained > NEARLY * most or one.gain > NEARLY * gains.max() for one in trials]

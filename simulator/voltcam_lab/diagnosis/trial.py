@@ -37,12 +37,13 @@ class Trial:
 @dataclass(frozen=True, eq=False)
 class Bench:
     """Where effects are tried. rest: (PARTS, n) deviations of the data that base parameters do not take
-    up, in units of the lenient spread."""
+    up, in units of the lenient spread. at_chance: the training gap of a fit that needs no second one."""
 
     rig: Rig
     screen: Screen
     data: Values
     rest: Values
+    at_chance: float
 
     def tried(self, index: int, gain: float) -> Trial:
         """The effect of a signature, from where the score test has it.
@@ -88,11 +89,13 @@ class Bench:
     def anew(self, trial: Trial) -> Trial:
         """The trial, or the effect fitted from the size nearest to it and the base without it, if that is
         better: either may stop in a valley of its own."""
+        if trial.training <= self.at_chance:
+            return trial
         return max(trial, self.judged(trial.candidate, self._start(trial), trial.gain), key=_gained)
 
     def settled(self, best: Trial) -> Trial:
         """The trial fitted to the end: from where it is, and anew."""
-        starts = (best.model, self._start(best))
+        starts = (best.model, self._start(best))[: 1 if best.training <= self.at_chance else 2]
         return max((self.judged(best.candidate, one, best.gain, rounds=3) for one in starts), key=_gained)
 
     def _start(self, trial: Trial) -> Model:

@@ -70,24 +70,6 @@ def test_a_pattern_that_is_not_in_the_catalogue_is_called_unknown() -> None:
     assert (found.verdict, found.found) == ("unknown", ())
 
 
-def test_a_drift_that_explains_more_by_itself_takes_the_place_of_a_name() -> None:
-    """It looks like a dead time for the most part; what that leaves is a drift, too."""
-    leak = START.junction_leak.k4_per_us
-
-    def drifting(parameters: Parameters) -> Values:
-        drift = parameters.residual_drift
-        plain = drift.power == 0 and drift.across == drift.down == 0
-        amount = drift.per_us / leak if plain else 0.0
-        return response(parameters) + amount * (2 * PATTERNS[6] + 0.6 * PATTERNS[10])
-
-    rig = MadeRig(drifting)
-    hidden = BASE.changed({"residual_drift": {"per_us": 2 * leak, "power": 0.0}})
-    found = diagnose(rig, drifting(hidden) + rig.noise(4711), Model(START), CATALOGUE, lambda _: None)
-    assert (found.verdict, found.found) == ("unknown", ())
-    assert found.residual is not None
-    assert found.model.parameters().residual_drift.per_us == pytest.approx(2 * leak, rel=0.1)
-
-
 def test_what_held_out_data_do_not_confirm_is_not_named() -> None:
     data = response(BASE)
     data[:3] += 2.5 * PATTERNS[6][:3]  # a dead time, in the training parts only
