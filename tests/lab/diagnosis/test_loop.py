@@ -70,6 +70,14 @@ def test_a_pattern_that_is_not_in_the_catalogue_is_called_unknown() -> None:
     assert (found.verdict, found.found) == ("unknown", ())
 
 
+@pytest.mark.parametrize(("beside", "verdict"), [(0.45, "effects"), (0.75, "unknown")])
+def test_an_effect_that_closes_a_small_gap_by_half_is_not_named(beside: float, verdict: str) -> None:
+    """What nobody knows leaves a fifth of the gap, or half of it, and either is little."""
+    found = asked(response(DEAD_TIME.on(BASE, (600.0,))) + beside * PATTERNS[10])
+    assert found.verdict == verdict
+    assert (len(found.found) == 1) == (verdict == "effects")
+
+
 def test_what_held_out_data_do_not_confirm_is_not_named() -> None:
     data = response(BASE)
     data[:3] += 2.5 * PATTERNS[6][:3]  # a dead time, in the training parts only
