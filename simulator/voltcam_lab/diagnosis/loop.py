@@ -25,6 +25,10 @@ OPEN = 0.25  # of the gap over its floor: what frames may leave open without any
 SHARE = 0.8  # of the gap over its floor: an effect that removes so much is named though not all is explained
 LEAST_SHARE = 0.3  # the same, of an effect that removes SHARE of it where it changes anything
 CLOSING_SHARE = 0.6  # the same, of an effect that leaves next to nothing; little is soon closed by half
+PLAIN = 1.0  # of the gap over its floor, about four floors: what is left is no matter of form
+PLAIN_SHARE = (
+    0.9  # the same as SHARE, of an effect after which that is left: the unknown may look like a known one
+)
 OF_ALL, OF_REST = 0.9, 0.5  # the same, of several together, and of the last of these
 MOVED = 2.0  # of the spread: what an effect changes
 HELD_OUT_SHARE = 0.3  # of the training gain, by statistic, that held-out data must confirm
@@ -169,7 +173,8 @@ def _explains(before: Step, after: Step, first: Step) -> bool:
     part = removed >= LEAST_SHARE and _excess(after) <= 2 * TOLERANCE
     alone = part and was > 0 and left <= (1 - SHARE) * was
     least = CLOSING_SHARE if before is first else LEAST_SHARE
-    return (_excess(after) <= closed and removed >= least) or removed >= SHARE or alone
+    nearly_all = SHARE if _excess(after) <= PLAIN else PLAIN_SHARE
+    return (_excess(after) <= closed and removed >= least) or removed >= nearly_all or alone
 
 
 def _explain_together(begin: Step, before: Step, after: Step) -> bool:

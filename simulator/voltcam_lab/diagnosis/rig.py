@@ -47,11 +47,7 @@ class Rig:
     def _lights(self) -> list[Image]:
         """All versions of the light, side by side, each with a gutter on its right."""
         versions = [light_behind(self.setting.scene, version) for version in range(len(LIGHTS))]
-        joined = (
-            (np.hstack([np.pad(image, ((0, 0), (0, GUTTER))) for image, _ in images]), images[0][1])
-            for images in zip(*versions, strict=True)
-        )
-        return list(_moving(joined))
+        return list(_moving(_side_by_side(images) for images in zip(*versions, strict=True)))
 
     @cached_property
     def _run(self) -> Any:
@@ -125,6 +121,14 @@ class Rig:
         }
         means = self.means(there, seeds)
         return [mean - base[placed(one)] for mean, one in zip(means, there, strict=True)]
+
+
+def _side_by_side(images: Sequence[Image]) -> Image:
+    height, width = images[0][0].shape
+    joined = np.zeros((height, len(images), width + GUTTER), np.float32)
+    for n, (image, _) in enumerate(images):
+        joined[:, n, :width] = image
+    return joined.reshape(height, -1), images[0][1]
 
 
 def placed(parameters: Parameters) -> bool:

@@ -97,6 +97,7 @@ class _Search:
     def __init__(self, subject: Subject, threshold: float) -> None:
         light, events = subject.light, subject.recording.events
         chosen = events[:: max(1, events.size // _EVENTS)]
+        chosen = chosen[np.argsort(chosen["t"], kind="stable")]
         self._t = chosen["t"].astype(np.float64)
         self._sign = np.where(chosen["p"], 1.0, -1.0)
         height, width = subject.recording.height, subject.recording.width
@@ -138,9 +139,9 @@ class _Search:
 
     def _events(self, lag_us: float) -> NDArray[np.float64]:
         """(intervals, blocks): ON less OFF."""
-        interval = np.searchsorted(self._frame_t, self._t - lag_us, side="right") - 1
-        inside = (interval >= 0) & (interval < len(self._change))
-        cells = interval[inside] * self._blocks + self._block[inside]
+        first = np.searchsorted(self._t, self._frame_t + lag_us)  # of each frame's interval
+        inside = slice(first[0], first[-1])
+        cells = np.repeat(self._blocks * np.arange(len(self._change)), np.diff(first)) + self._block[inside]
         signed = np.bincount(cells, self._sign[inside], self._change.size)
         return signed.astype(np.float64).reshape(self._change.shape)
 

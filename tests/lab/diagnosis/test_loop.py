@@ -78,6 +78,15 @@ def test_an_effect_that_closes_a_small_gap_by_half_is_not_named(beside: float, v
     assert (len(found.found) == 1) == (verdict == "effects")
 
 
+@pytest.mark.parametrize(("beside", "verdict"), [(2.0, "effects"), (3.0, "unknown")])
+def test_an_effect_that_leaves_a_plain_gap_is_named_only_if_it_removes_nine_tenths(
+    beside: float, verdict: str
+) -> None:
+    """A fifteenth of the gap is left, or a seventh: both are plain to see."""
+    found = asked(response(DEAD_TIME.on(BASE, (9000.0,))) + beside * PATTERNS[10])
+    assert found.verdict == verdict
+
+
 def test_what_held_out_data_do_not_confirm_is_not_named() -> None:
     data = response(BASE)
     data[:3] += 2.5 * PATTERNS[6][:3]  # a dead time, in the training parts only
