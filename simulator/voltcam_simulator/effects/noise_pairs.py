@@ -45,6 +45,8 @@ class NoisePairs(Effect):
         dark = rng.random(len(pixel)) * (1 + readout.light[pixel] / self.half_dn) < 1
         alive = np.isfinite(sensor.theta_on.ravel()[pixel])
         pixel = pixel[dark & alive]
+        if not pixel.size:
+            return events
         first_us = rng.integers(readout.start_us, readout.end_us, len(pixel))
         wait_us = sensor.refractory_us + rng.exponential(self.interval_us, len(pixel))
         on = rng.random(len(pixel)) < 0.5

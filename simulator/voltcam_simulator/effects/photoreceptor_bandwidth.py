@@ -10,9 +10,13 @@ from ..kernel import kernel
 
 STEP_IN_TIME_CONSTANTS = 8.0
 """Of the brightest pixels. Within a step the voltage is taken as a straight line. At a bend of the light by a
-share q of its slope times are then wrong by at most q time constants, and at most 0.106 q steps (the most an
-exponential leaves its chord, over all time constants; straight lines between frames miss by q/8 already).
-Eight are 0.6 of a time constant at 0 DN: dim pixels, whose lag is what shows, are followed closely."""
+share q of its slope it is then off by what the light brings in at most q time constants, and at most 0.106 q
+steps (the most an exponential leaves its chord, over all time constants; straight lines between frames miss
+by q/8 already). Eight are 0.6 of a time constant at 0 DN: dim pixels, whose lag is what shows, are followed
+closely."""
+SHORT_US = 1000.0
+"""No step need be shorter: 0.106 of it are 0.1 ms. At 4 kHz eight time constants are 0.3 ms: a hundred steps
+from frame to frame of a webcam, whose light between frames is a guess of milliseconds anyway."""
 
 
 class PhotoreceptorBandwidth(Effect):
@@ -52,7 +56,7 @@ class PhotoreceptorBandwidth(Effect):
 
     @property
     def longest_step_us(self) -> float:
-        return STEP_IN_TIME_CONSTANTS * 1e6 / (2 * math.pi * self.cutoff_hz)
+        return max(SHORT_US, STEP_IN_TIME_CONSTANTS * 1e6 / (2 * math.pi * self.cutoff_hz))
 
     def state(self, sensor: Sensor) -> State:
         pixels = sensor.width * sensor.height

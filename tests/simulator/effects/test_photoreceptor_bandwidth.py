@@ -70,6 +70,32 @@ def test_a_ramp_is_followed_one_time_constant_late() -> None:
             assert late_us == pytest.approx(lag_us, rel=0.06)
 
 
+@pytest.mark.parametrize("cutoff_hz", [600, 2000, 8000])
+def test_a_long_frame_does_as_many_short_ones_to_a_tenth_of_a_step(cutoff_hz: float) -> None:
+    """Light that begins to rise, in a straight line from there on: a bend by all of its slope. Voltages may
+    be off by what the light brings in 0.106 steps, of a millisecond or eight time constants."""
+    parameters = only(
+        contrast_response={"k1": 1000}, comparator={"theta_on": 0.1, "theta_off": 0.1},
+        photoreceptor_bandwidth={"cutoff_hz": cutoff_hz},
+    )  # fmt: skip
+    begin, span = 10_000, 20_000
+    found = []
+    for frames in (1, 400):
+        simulator = Simulator(1, 1, parameters, seed=1)
+        for t_us in (0, begin):
+            simulator.advance(still(2.0, 1, 1), t_us)
+        rising = [
+            simulator.advance(still(2.0 + 20.0 * n / frames, 1, 1), begin + span * n // frames)
+            for n in range(1, frames + 1)
+        ]
+        found.append(np.concatenate(rising)["t"])
+    times = np.arange(begin, begin + span, 10)
+    long, short = (np.searchsorted(t_us, times) for t_us in found)
+    step_us = max(1000, 8e6 / (2 * math.pi * cutoff_hz))
+    steepest_per_us = 1e4 * 20.0 / span / 22.0
+    assert np.max(np.abs(long - short)) <= 0.106 * step_us * steepest_per_us + 1
+
+
 def test_a_source_follower_is_a_second_pole() -> None:
     times = np.arange(100, 12_000, 100.0)
     counts = after_a_step(times, 100, 255, cutoff_hz=300, follower_hz=150)
