@@ -25,10 +25,8 @@ OPEN = 0.25  # of the gap over its floor: what frames may leave open without any
 SHARE = 0.8  # of the gap over its floor: an effect that removes so much is named though not all is explained
 LEAST_SHARE = 0.3  # the same, of an effect that removes SHARE of it where it changes anything
 CLOSING_SHARE = 0.6  # the same, of an effect that leaves next to nothing; little is soon closed by half
-PLAIN = 1.0  # of the gap over its floor, about four floors: what is left is no matter of form
-PLAIN_SHARE = (
-    0.9  # the same as SHARE, of an effect after which that is left: the unknown may look like a known one
-)
+PLAIN = 1.0  # gap over its floor, about four floors: an effect of another form leaves less
+PLAIN_SHARE = 0.9  # instead of SHARE where more than PLAIN is left: what has no name may look like an effect
 OF_ALL, OF_REST = 0.9, 0.5  # the same, of several together, and of the last of these
 MOVED = 2.0  # of the spread: what an effect changes
 HELD_OUT_SHARE = 0.3  # of the training gain, by statistic, that held-out data must confirm
