@@ -11,6 +11,7 @@ class Arrival:
     """A frame that came from the source.
 
     at_s: when, `time.monotonic()`. cut: the scene did not evolve continuously from the former frame.
+    missed: frames dropped since the one before.
     paced: it came when it was due; otherwise the source is read as fast as the simulation goes.
     """
 
@@ -19,6 +20,7 @@ class Arrival:
     at_s: float
     cut: bool
     paced: bool
+    missed: int = 0
 
 
 class Mailbox:
@@ -44,7 +46,8 @@ class Mailbox:
             if self._slot is not None:
                 self.dropped += 1
                 # A cut stays one when the frame that brought it is dropped.
-                arrival = replace(arrival, cut=arrival.cut or self._slot.cut)
+                cut, missed = arrival.cut or self._slot.cut, self._slot.missed + 1
+                arrival = replace(arrival, cut=cut, missed=missed)
             self._slot = arrival
             self.received += 1
             self._changed.notify_all()

@@ -28,8 +28,8 @@ class SourceStatus(BaseModel):
 class FrameCounts(BaseModel):
     """received = simulated + dropped + out_of_order + unusable, but for those under way.
 
-    dropped: skipped because a newer one was there. out_of_order: their time did not advance.
-    unusable: their values are no grey levels.
+    dropped: skipped because a newer one was there, up to which the simulation takes coarser steps.
+    out_of_order: their time did not advance. unusable: their values are no grey levels.
     """
 
     received: int

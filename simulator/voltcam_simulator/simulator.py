@@ -75,11 +75,12 @@ class Simulator:
         if self._frame is not None:  # the same light gives another voltage now: that is no change of light
             self._pixels.settle(self._frame.ravel(), self._t_us)
 
-    def advance(self, frame: ArrayLike, t_us: int) -> Events:
+    def advance(self, frame: ArrayLike, t_us: int, coarser: float = 1.0) -> Events:
         """The events between the last frame and this one, sorted by time.
 
         frame: (height, width) grey levels, 0..255 DN unless the parameters say otherwise; any real dtype.
         t_us: its time, int microseconds, later than the last one. The first frame gives no events.
+        coarser: how many times longer than effects ask steps may be, where time is too short for all of them.
         Returns an array of dtype EVENT. Raises ValueError, with nothing changed, for a wrong shape, values
         that are negative or not finite, or a time that does not advance.
         """
@@ -93,7 +94,7 @@ class Simulator:
         if span_us > LONGEST_INTERVAL_US:
             raise ValueError(f"{span_us / 3.6e9:.0f} hours between two frames: at most 38 are possible")
         self._pixels.look(self._frame, image, float(span_us))
-        self._steps(self._frame.ravel(), image.ravel(), span_us)
+        self._steps(self._frame.ravel(), image.ravel(), span_us, coarser)
         events = self._reported(self._sorted(), t_us)
         self._frame, self._t_us = image, t_us
         self._intervals += 1
@@ -114,9 +115,9 @@ class Simulator:
         self._complete_us = None
         self._frame, self._t_us = image, t_us
 
-    def _steps(self, before: Image, after: Image, span_us: int) -> None:
+    def _steps(self, before: Image, after: Image, span_us: int, coarser: float) -> None:
         """The interval in steps that are short enough for every effect; light goes in a straight line."""
-        steps = min(max(1, math.ceil(span_us / self._pixels.longest_step_us)), span_us)
+        steps = min(max(1, math.ceil(span_us / (self._pixels.longest_step_us * coarser))), span_us)
         start = 0
         for step in range(1, steps + 1):
             end = span_us * step // steps  # whole microseconds, so that effects agree on where steps meet

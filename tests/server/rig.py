@@ -59,8 +59,10 @@ def save_frames(path: Path, frames: NDArray[np.uint8], period_us: int = 10_000, 
     return str(path)
 
 
-def arrival(image: NDArray[Any], t_us: int, *, cut: bool = False, paced: bool = True) -> Arrival:
-    return Arrival(Frame(image, t_us), "crop", time.monotonic(), cut, paced)
+def arrival(
+    image: NDArray[Any], t_us: int, *, cut: bool = False, paced: bool = True, missed: int = 0
+) -> Arrival:
+    return Arrival(Frame(image, t_us), "crop", time.monotonic(), cut, paced, missed)
 
 
 def until(condition: Callable[[], object], what: str) -> None:

@@ -17,8 +17,12 @@ def test_the_newest_frame_wins_and_the_others_are_counted() -> None:
         mailbox.put(arrival(IMAGE, t_us), stop)
     taken = mailbox.take()
     assert taken is not None
-    assert taken.frame.t_us == 4
+    assert (taken.frame.t_us, taken.missed) == (4, 4)
     assert (mailbox.received, mailbox.dropped) == (5, 4)
+    mailbox.put(arrival(IMAGE, 5), stop)
+    following = mailbox.take()
+    assert following is not None
+    assert following.missed == 0
 
 
 def test_a_cut_outlives_the_frame_that_brought_it() -> None:

@@ -6,7 +6,7 @@ from pydantic import ValidationError
 
 from voltcam_server.settings import Upsample
 from voltcam_server.simulation import PATIENCE_FRAMES, Simulation
-from voltcam_simulator import Simulator
+from voltcam_simulator import Parameters, Simulator
 from voltcam_video import Frame, between
 
 from .rig import arrival, moving_frames, tiny
@@ -59,6 +59,23 @@ def test_frames_in_between_are_those_of_an_offline_run(upsample: Upsample, later
         np.testing.assert_array_equal(ours, theirs)
     assert len(found) == 7 - later
     assert sum(map(len, found)) > 5000
+
+
+def test_an_interval_with_dropped_frames_has_the_steps_of_one_without() -> None:
+    """A lamp asks for 16 steps in a period; two periods in one step, from its zero to its zero, go unseen."""
+    quiet = {**SILENT, "contrast_response": {"k1": 60}}
+    camera = tiny().model_copy(
+        update={"parameters": Parameters().changed({**quiet, "flicker": {"frequency_hz": 100, "depth": 0.2}})}
+    )
+    image, seen = np.full((16, 24), 100, np.uint8), []
+    for missed in (0, 31):
+        simulation = Simulation(camera, "exact", 0)
+        simulation.step(arrival(image, 0))
+        interval = simulation.step(arrival(image, 20_000, missed=missed))
+        assert interval is not None
+        seen.append(len(interval.events))
+    assert seen[0] > 16 * 24 * 20
+    assert seen[1] == 0
 
 
 def test_stamps_that_repeat_or_go_back_are_skipped_and_counted() -> None:
