@@ -1,5 +1,6 @@
 """One model of all parameters, built from the registry of effects."""
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, Self
 
@@ -29,6 +30,11 @@ class ParameterSet(BaseModel):
         """The effects with these parameters, in registry order."""
         for effect in EFFECTS:
             yield getattr(self, effect.name)
+
+    @property
+    def longest_step_us(self) -> float:
+        """The longest step that all active effects allow; inf: any."""
+        return min((effect.longest_step_us for effect in self.effects() if effect.active), default=math.inf)
 
     def changed(self, changes: Mapping[str, Any]) -> Self:
         """A copy with some parameters changed, {"comparator": {"theta_on": 1.2}, "temperature_c": 40}.

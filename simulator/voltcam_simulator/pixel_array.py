@@ -60,7 +60,7 @@ class PixelArray:
             [effect for effect in self.effects if overrides(effect, stage)]
             for stage in ("see", "respond", "drift")
         )
-        self.longest_step_us = min(effect.longest_step_us for effect in self.effects)
+        self.longest_step_us = parameters.longest_step_us
         self._still.allowed = self.law == "exact" and all(effect.steady for effect in self.effects)
         if sensor.refractory_us > 0 and self._held.size == 0:
             self._held = np.zeros_like(self.voltage)

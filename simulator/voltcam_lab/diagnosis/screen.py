@@ -13,7 +13,9 @@ from .rig import Rig
 from .robust import Fitted, fitted
 
 AMOUNT_SD = 1.0  # of an effect's amount about 0, in units of the size tried
-OPEN_GAIN = 5.0  # of training loss: what light that frames leave open adds to any recording's, not to twins'
+OPEN_GAIN = 6.0  # of training loss: what light that frames leave open adds to a recording's, not to twins'
+OPEN_GAINS = -OPEN_GAIN * np.log(1 - (np.arange(28) + 0.5) / 28)
+"""Quantiles of an exponential distribution of that mean: to some recordings it adds next to nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +35,7 @@ class Screen:
     spread: Spread
     base: NDArray[np.float64]  # (PARTS, n, k) of the model's own parameters
     signatures: tuple[Signature, ...]
-    null: NDArray[np.float64]  # (twins,) each one's largest gain over the catalogue, and OPEN_GAIN
+    null: NDArray[np.float64]  # (n,) each twin's largest gain over the catalogue and each of OPEN_GAINS
 
     def own(self, z: NDArray[np.float64]) -> Fitted:
         """The part of training deviations z that the model's own parameters can take up."""
@@ -52,8 +54,8 @@ class Screen:
 
     def p_value(self, gain: float) -> float:
         """How often twins, where nothing is missing, have as large a gain from anything in the catalogue."""
-        rank = (1 + np.count_nonzero(self.null >= gain)) / (1 + len(self.null))
-        if rank > 2 / (1 + len(self.null)):
+        rank = (1 + np.count_nonzero(self.null >= gain)) / (1 + self.null.size)
+        if rank > 2 / (1 + len(self.spread.twins)):  # so far do these tell
             return float(rank)
         return float(min(rank, gumbel_r.sf(gain, *gumbel_r.fit(self.null))))
 
@@ -72,4 +74,4 @@ def screen_of(
     screen = Screen(model, spread, spread.columns, signatures, np.empty(0))
     lenience = spread.v / spread.lenient
     null = [screen.gains(flat(z * lenience)).max() for z in spread.left_out]
-    return replace(screen, null=np.array(null) + OPEN_GAIN)
+    return replace(screen, null=np.add.outer(null, OPEN_GAINS).ravel())

@@ -96,7 +96,7 @@ def session_of(
             f"{name} has fewer than {FEWEST_FRAMES} frames in {seconds:g} s: give more of it"
         )
     camera = camera.model_copy(update={"width": recording.width, "height": recording.height})
-    columns = sample(recording, most_samples, longest_step_us(camera.parameters))
+    columns = sample(recording, most_samples, camera.parameters.longest_step_us)
     scene = seen(recording.frames, recording.frame_t_us, columns)
     part = in_columns(recording, columns)
     if not len(part.events):
@@ -135,11 +135,6 @@ def cut(recording: Recording, seconds: float) -> Recording:
         exposure_us=None if exposure_us is None else exposure_us[kept] - origin_us,
         events=events,
     )
-
-
-def longest_step_us(parameters: Parameters) -> float:
-    """Of the simulator; inf: from image to image."""
-    return min((effect.longest_step_us for effect in parameters.effects() if effect.active), default=np.inf)
 
 
 def sample(recording: Recording, most_samples: int, step_us: float = np.inf) -> NDArray[np.int64]:

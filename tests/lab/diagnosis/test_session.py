@@ -8,7 +8,7 @@ import pytest
 
 from voltcam_client.formats import Recording
 from voltcam_lab.diagnosis.rig import Rig
-from voltcam_lab.diagnosis.session import DiagnosisError, cut, longest_step_us, sample, session_of
+from voltcam_lab.diagnosis.session import DiagnosisError, cut, sample, session_of
 from voltcam_lab.diagnosis.stored import StoredRig
 from voltcam_simulator import EVENT, Camera, Parameters
 
@@ -88,7 +88,7 @@ def test_of_a_camera_that_takes_many_steps_less_is_looked_at(
 ) -> None:
     """A lamp of 1 kHz has the simulator stop every 62 us: 24 million steps of a pixel in 2 s."""
     fast = PAPER.parameters.changed({"flicker": {"frequency_hz": lamp_hz, "depth": 0.1}})
-    assert len(sample(tiny, 10**9, longest_step_us(fast))) == columns
+    assert len(sample(tiny, 10**9, fast.longest_step_us)) == columns
 
 
 def test_strips_are_where_most_and_where_little_changes(tiny: Recording) -> None:

@@ -1,0 +1,36 @@
+"""The score test's p-values."""
+
+import numpy as np
+from scipy import stats
+
+from voltcam_lab.diagnosis.model import Model, Spread
+from voltcam_lab.diagnosis.screen import OPEN_GAIN, OPEN_GAINS, Screen
+from voltcam_simulator import Parameters
+
+TWINS = 28
+
+
+def screen(gains: np.ndarray) -> Screen:
+    """One whose twins gain that."""
+    none = np.zeros((4, 1))
+    spread = Spread(none, none, none, none, [none] * len(gains), none[..., None])
+    return Screen(Model(Parameters()), spread, none[..., None], (), np.add.outer(gains, OPEN_GAINS).ravel())
+
+
+def test_p_values_are_uniform_where_light_adds_to_the_gain() -> None:
+    """Recordings gain as twins do and, of open light, an exponential of mean OPEN_GAIN. Wrong: 1e-4."""
+    rng = np.random.default_rng(3)
+    p_values = [
+        screen(rng.gumbel(3, 3, TWINS)).p_value(rng.gumbel(3, 3) + rng.exponential(OPEN_GAIN))
+        for _ in range(400)
+    ]
+    assert stats.kstest(p_values, "uniform").pvalue > 1e-4
+    assert stats.binomtest(sum(p <= 0.01 for p in p_values), 400, 0.01).pvalue > 1e-4
+
+
+def test_a_larger_gain_is_less_likely_and_beyond_all_twins_still_so() -> None:
+    twins = np.random.default_rng(4).gumbel(3, 3, TWINS)
+    p_values = np.array([screen(twins).p_value(gain) for gain in np.arange(0.0, 200.0, 5.0)])
+    assert (np.diff(p_values) <= 0).all()
+    assert p_values[0] > 0.9
+    assert p_values[-1] < 1e-6
