@@ -17,12 +17,17 @@ from voltcam_lab.diagnosis.rig import Rig
 from voltcam_lab.diagnosis.session import DiagnosisError, session_of
 from voltcam_simulator import Camera, Parameters
 
-# Published sets (DVS-Voltmeter, ECCV 2022), of which a camera file knows the camera's own.
-_DAVIS240C: dict[str, dict[str, Any]] = {
-    "contrast_response": {"k1": 4.42411, "k2_dn": 23},
-    "photon_noise": {"k3": 2e-4},
-    "parasitic_photocurrent": {"k5_per_dn_us": 5e-8},
-}
+# What a camera file knows: published sets (DVS-Voltmeter, ECCV 2022), thresholds of other makes.
+_PUBLISHED: dict[str, tuple[str, dict[str, dict[str, Any]]]] = {
+    "davis346": ("paper", {}),
+    "davis240c": ("paper", {
+        "contrast_response": {"k1": 4.42411, "k2_dn": 23},
+        "photon_noise": {"k3": 2e-4},
+        "parasitic_photocurrent": {"k5_per_dn_us": 5e-8},
+    }),
+    "esim": ("ideal", {"contrast_response": {"k1": 4, "k2_dn": 0.3}}),
+    "v2e": ("ideal", {"contrast_response": {"k1": 5, "k2_dn": 0.3}}),
+}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,8 +89,8 @@ def ask(question: Question) -> Verdict:
 
 
 def _published(camera: str) -> Parameters:
-    paper = Parameters.of("paper")
-    return paper if camera == "davis346" else paper.changed(_DAVIS240C)
+    preset, changes = _PUBLISHED[camera]
+    return Parameters.of(preset).changed(changes)
 
 
 def _sabotaged(candidates: tuple[Candidate, ...], question: Question) -> list[Candidate]:

@@ -23,6 +23,8 @@ from tests.generator import (
     shuffled_polarity,
 )
 
+from .makes import MAKES, made
+
 Sabotage = Literal["deleted", "shuffled", "twice"]
 
 REPORTED_FROM = 5000  # seeds below are for development: some from 1000, 2000, 3000, 4000 on were looked at
@@ -45,6 +47,7 @@ class Case:
     fault: str | None = None  # of the frames, one of FAULTS
     slow: bool = False  # frames at SLOWER_FPS
     sabotage: Sabotage | None = None
+    make: str | None = None  # of MAKES, with effects of its own
 
     @property
     def part(self) -> str:
@@ -63,11 +66,13 @@ class Drawn:
 
 
 def grid(seed: int) -> tuple[Case, ...]:
-    """All cases, their seeds from `seed` on. Parts are mixed evenly: any beginning is a small grid."""
+    """All cases, their seeds from `seed` on. Parts are mixed evenly: any beginning is a small grid; makes are
+    last."""
     parts = list(_parts(np.random.default_rng(seed)))
     places = [((n + 0.5) / len(part), which) for which, part in enumerate(parts) for n in range(len(part))]
     remaining = [iter(part) for part in parts]
     order = [next(remaining[which]) for _, which in sorted(places)]
+    order += [Case(f"makes/{make}", make=make) for make in MAKES]
     return tuple(replace(case, seed=seed + n) for n, case in enumerate(order))
 
 
@@ -123,7 +128,10 @@ def drawn(case: Case) -> Drawn:
 
 def recorded(case: Case) -> Recorded:
     """The recording, frames of 8 bit. Its `truth` is for nobody to see."""
-    what, scene = drawn(case), draw_scene(_streams(case)[1], WIDTH, HEIGHT)
+    scene = draw_scene(_streams(case)[1], WIDTH, HEIGHT)
+    if case.make:
+        return made(MAKES[case.make], scene, SECONDS, FPS, case.seed)
+    what = drawn(case)
     recording = record(scene, what.base, what.effects, SECONDS, what.fps, seed=case.seed, film=what.film)
     return shuffled_polarity(recording, case.seed) if case.sabotage == "shuffled" else recording
 

@@ -7,6 +7,7 @@ import numpy as np
 from tests.generator import FAULTS, UNLISTED
 
 from .cases import FPS, FURTHER, HEIGHT, REPORTED_FROM, SECONDS, SINGLES, WIDTH, Case
+from .makes import MAKES
 from .run import Line
 from .score import Figure, Judged, controls, judged, share_removed, table
 
@@ -23,6 +24,7 @@ def page(cases: Sequence[Case], lines: Sequence[Line], seed: int) -> str:
         _section("Controls", _figures(controls(found)), _CONTROLS),
         _section("Effect by effect", _by_effect(found), _BY_EFFECT),
         _section("Unlisted effects", _unlisted(found), _UNLISTED),
+        _section("Other makes", _makes(found), _MAKES),
         _section("Who was taken for whom", _confusion(found), _CONFUSION),
         _section("Wrong answers, refusals and crashes", _wrong(found), _WRONG),
     ]
@@ -41,9 +43,12 @@ size found over the hidden one, where named."""
 _UNLISTED = """\
 The formula is that of the generic term which the diagnosis added, where it did; "unknown" stays the verdict.
 The names are those of `tests/generator/unlisted.py`."""
+_MAKES = """\
+The pixels of ESIM and v2e as their papers have them, on scenes of the generator; the camera file has their
+thresholds and nothing else. Gaps are on held-out data."""
 _CONFUSION = """\
 Rows are what was hidden, columns what was answered, by the letters of the rows; a verdict of two names counts
-twice. Pairs and sabotaged recordings are left out."""
+twice. Pairs, sabotaged recordings and other makes are left out."""
 _WRONG = "Refusals are those of recordings that are not bad. Each can be made again from its seed."
 
 
@@ -123,6 +128,16 @@ def _unlisted(found: Sequence[Judged]) -> str:
     return _grid(("hidden", *LEVELS[:2], "formulas"), rows)
 
 
+def _makes(found: Sequence[Judged]) -> str:
+    rows = []
+    for one in found:
+        if one.case.make and (verdict := one.line.verdict):
+            gaps = (f"{gap:.2f}" for gap in (verdict.gap_before, verdict.gap_after, verdict.gap_floor))
+            shares = ", ".join(MAKES[one.case.make].shares)
+            rows.append((one.case.make, shares, _answered(one), *gaps))
+    return _grid(("make", "shares", "answer", "gap", "after", "by chance"), rows)
+
+
 def _answered(one: Judged) -> str:
     if one.line.verdict is None:
         return "crashed"
@@ -132,7 +147,7 @@ def _answered(one: Judged) -> str:
 def _confusion(found: Sequence[Judged]) -> str:
     count: dict[str, Counter[str]] = {}
     for one in found:
-        if one.case.part in ("pairs", "deleted", "shuffled", "twice"):
+        if one.case.part in ("pairs", "deleted", "shuffled", "twice", "makes"):
             continue
         hidden = one.case.effects[0][0] if one.case.effects else one.case.fault or "nothing"
         count.setdefault(hidden, Counter()).update(_answered(one).split(", "))

@@ -10,6 +10,7 @@ from scipy.stats import binom, binomtest, kstest
 
 from .ask import Verdict
 from .cases import Case, drawn
+from .makes import MAKES
 from .run import Line
 from .sizes import Size, size_of
 
@@ -25,9 +26,9 @@ class Judged:
     """A verdict beside its answer.
 
     right: each hidden effect's name and no other; "none" where nothing is hidden; "unknown" for what is not
-    in the catalogue. wrong: a name that is not hidden, an alarm where nothing is. abstained: neither, or
-    refused as a bad recording, which is right only for a shuffled polarity. An effect given as a set that its
-    name is in is not named, and not wrong.
+    in the catalogue; of another make some of what it shares with that, or "unknown". wrong: a name that is
+    not hidden, an alarm where nothing is. abstained: neither, or refused as a bad recording, which is right
+    only for a shuffled polarity. An effect given as a set that its name is in is not named, and not wrong.
     """
 
     case: Case
@@ -72,6 +73,8 @@ def hidden(case: Case) -> tuple[str, ...]:
         return (FAULT_NAMES[case.fault],) if case.fault in FAULT_NAMES else ()
     if case.sabotage == "deleted":
         return ()
+    if case.make:
+        return MAKES[case.make].shares
     names = {"clock_offset": "latency", "dim_refractory": "refractory_period"}
     listed = [names.get(name, name) for name, _ in case.effects if case.part != "unlisted" or name in names]
     return tuple(listed)
@@ -86,6 +89,8 @@ def _outcome(case: Case, verdict: Verdict) -> Outcome:
     if case.part in ("nulls", "slow nulls"):
         return "right" if verdict.verdict == "none" else "wrong"
     named = {one.name for one in verdict.effects}
+    if case.make:
+        return "right" if named or verdict.verdict == "unknown" or not truth else "abstained"
     if named and named == set(truth):
         return "right"
     may_be_unknown = case.fault or case.sabotage in ("deleted", "shuffled") or case.part == "unlisted"
@@ -136,6 +141,7 @@ def controls(found: Sequence[Judged]) -> list[Figure]:
         "shuffled": "polarity shuffled: unknown, or refused as a bad recording",
         "twice": "an effect listed twice: still named",
         "further": "other effects of the catalogue: named",
+        "makes": "recordings of other makes: effects that they share named, or unknown",
     }
     rows = []
     for name, what in words.items():

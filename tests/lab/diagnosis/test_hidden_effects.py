@@ -5,10 +5,12 @@ import os
 from dataclasses import fields, replace
 from pathlib import Path
 
+import numpy as np
 import pytest
-from tests.generator import LEVELS, UNLISTED
+from tests.generator import LEVELS, UNLISTED, draw_scene
 from tests.hidden_effects.ask import Named, Question, Verdict, ask
 from tests.hidden_effects.cases import SINGLES, Case, drawn, grid, recorded
+from tests.hidden_effects.makes import MAKES, STEP_US, made
 from tests.hidden_effects.page import page
 from tests.hidden_effects.run import Line, diagnosed, question, read, run
 from tests.hidden_effects.score import Figure, controls, interval, judge, judged, share_removed, table
@@ -77,7 +79,7 @@ def test_seeds_of_development_and_report_have_none_in_common() -> None:
 
 def test_any_beginning_is_a_small_grid() -> None:
     tenth = {case.part for case in GRID[: len(GRID) // 10]}
-    assert tenth == {case.part for case in GRID}
+    assert tenth == {case.part for case in GRID} - {"makes"}
     singles = [level for case in GRID if case.part == "singles" for _, level in case.effects]
     assert sorted(singles.count(level) for level in LEVELS) == [3 * 14] * 3
     assert all(4 <= singles[:14].count(level) <= 5 for level in LEVELS)
@@ -157,6 +159,12 @@ THIRD = next(effect for effect in SINGLES if effect not in (ONE, OTHER))
         ("nulls/0", said(verdict="refused"), "wrong"),
         (FLICKER, said(verdict="refused"), "abstained"),
         ("twice/flicker", said("flicker"), "right"),
+        ("makes/esim", said(verdict="none"), "right"),
+        ("makes/esim", said("threshold_mismatch"), "wrong"),
+        ("makes/v2e, noisy", said("threshold_mismatch"), "right"),
+        ("makes/v2e, noisy", said("threshold_mismatch", "latency"), "wrong"),
+        ("makes/v2e, noisy", said(verdict="unknown"), "right"),
+        ("makes/v2e, noisy", said(verdict="none"), "abstained"),
     ],
 )
 def test_outcome_of_a_verdict(case: str, verdict: Verdict | None, outcome: str) -> None:
@@ -282,6 +290,21 @@ def test_confusion_matrix_counts_answers() -> None:
     assert "|  | hidden | b | none | unknown | refused | crashed |" in matrix
     assert "| a | flicker | 1 | . | . | . | . |" in matrix
     assert "| c | nothing | . | 1 | . | . | . |" in matrix
+
+
+def test_other_makes_record_what_the_scene_shows() -> None:
+    """ESIM's events carry each pixel from one logarithm to the other, and no step of its clock shows."""
+    scene, theta = draw_scene(np.random.default_rng(1), 24, 18), 0.25
+    recording = made(MAKES["esim"], scene, 0.5, 200, 3)
+    events = recording.events
+    assert recording.frames.shape == (101, 18, 24)
+    assert len(events) > 1000
+    assert (np.diff(events["t"]) >= 0).all()
+    assert np.bincount(events["t"] % STEP_US, minlength=STEP_US).min() > 0
+    net = np.zeros((18, 24))
+    np.add.at(net, (events["y"], events["x"]), np.where(events["p"], theta, -theta))
+    begun, ended = np.log(scene.radiance(np.array([0, 500_000])) / 255 + 0.001)
+    assert np.abs(net - (ended - begun)).max() < 2 * theta
 
 
 def stub(case: Case) -> Line:
