@@ -177,9 +177,10 @@ def _explains(before: Step, after: Step, first: Step) -> bool:
 
 def _explain_together(begin: Step, before: Step, after: Step) -> bool:
     """Whether effects none of which explains it alone close nearly all of a gap, the last a good part of
-    what the others leave."""
+    what the others leave, and leave nothing that is plain to see: two can take most of any other's place."""
     of_all, of_rest = (1 - _excess(after) / max(_excess(step), 1e-9) for step in (begin, before))
-    return of_all >= OF_ALL and of_rest >= OF_REST
+    plain = _excess(after) > max(PLAIN, LEFT_BEHIND * _excess(begin))
+    return of_all >= OF_ALL and of_rest >= OF_REST and not plain
 
 
 def _promising(step: Step) -> list[Trial]:

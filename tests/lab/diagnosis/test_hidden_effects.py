@@ -17,7 +17,7 @@ from tests.hidden_effects.score import Figure, controls, interval, judge, judged
 
 from voltcam_lab.diagnosis.result import Estimate
 
-GRID = grid(5000)
+GRID = grid(6000)
 
 
 def named(name: str) -> Case:
@@ -72,9 +72,9 @@ def test_grid_is_that_of_section_5() -> None:
 
 
 def test_seeds_of_development_and_report_have_none_in_common() -> None:
-    assert [case.seed for case in GRID] == list(range(5000, 5000 + len(GRID)))
+    assert [case.seed for case in GRID] == list(range(6000, 6000 + len(GRID)))
     assert len(GRID) <= 1000
-    assert [case.name for case in grid(5000)] == [case.name for case in GRID]
+    assert [case.name for case in grid(6000)] == [case.name for case in GRID]
 
 
 def test_any_beginning_is_a_small_grid() -> None:
@@ -232,7 +232,7 @@ def test_a_crash_is_wrong_everywhere() -> None:
     figures = table(found)
     for what in ("p-values", "named, strong", "wrong name", "alarm", "the same", "unlisted", "two effects"):
         assert row(figures, what).met is False
-    text = page(GRID, lines, 5000)
+    text = page(GRID, lines, 6000)
     assert text.count("ValueError: no / luck") == len(GRID)
 
 
@@ -255,20 +255,20 @@ def test_page_tells_what_was_met_and_what_not(right: list[Line]) -> None:
     for case in GRID:
         if case.part == "singles" and case.effects[0] == ("readout", "strong"):
             given[case.name] = answered(case, "refractory_period")
-    text = page(GRID, list(given.values()), 5000)
+    text = page(GRID, list(given.values()), 6000)
     lines = text.splitlines()
     assert "39 of 42: 93%" in next(line for line in lines if line.startswith("| named, strong"))
     assert "**not met**" in next(line for line in lines if line.startswith("| named, strong"))
     assert "| met |" in next(line for line in lines if line.startswith("| named, weak"))
     assert sum(line.startswith("| singles/readout/strong/") for line in lines) == 3
     assert "Not finished" not in text
-    assert "below 5000" in text
+    assert "below 6000" in text
     tables = [line for line in lines if line.startswith("|")]
     assert all(line.endswith("|") for line in tables)
 
 
 def test_page_of_a_part_says_so(right: list[Line]) -> None:
-    text = page(GRID, right[:10], 5000)
+    text = page(GRID, right[:10], 6000)
     assert f"10 of {len(GRID)} cases have run" in text
     assert "not run" in text
 
@@ -278,14 +278,14 @@ def test_page_tells_why_a_good_recording_was_refused() -> None:
         Line(case=name, verdict=Verdict(verdict="refused", reason="too dark"))
         for name in (FLICKER, "shuffled/0")
     ]
-    told = page(GRID, lines, 5000).partition("Wrong answers")[2]
+    told = page(GRID, lines, 6000).partition("Wrong answers")[2]
     assert "too dark" in told
     assert "shuffled" not in told
 
 
 def test_confusion_matrix_counts_answers() -> None:
     case = named(FLICKER)
-    text = page(GRID, [answered(case, "latency"), answered(named("nulls/0"), verdict="none")], 5000)
+    text = page(GRID, [answered(case, "latency"), answered(named("nulls/0"), verdict="none")], 6000)
     matrix = text.partition("Who was taken")[2]
     assert "|  | hidden | b | none | unknown | refused | crashed |" in matrix
     assert "| a | flicker | 1 | . | . | . | . |" in matrix
