@@ -19,7 +19,7 @@ BATCH = 2000  # images in memory
 
 @dataclass(frozen=True)
 class Make:
-    """A camera. shares: names in the registry of what of it the catalogue has; order is of no account."""
+    """A camera. shares: what of it the catalogue has, by the registry's names."""
 
     camera: str
     pixel: EsimParameters | V2eParameters
