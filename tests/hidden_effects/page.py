@@ -67,11 +67,12 @@ def _head(cases: Sequence[Case], found: Sequence[Judged], seed: int) -> str:
 
 Written by `make hidden-effects`; not by hand.{part}
 
-Each case is a recording of {SECONDS:g} s and {WIDTH} x {HEIGHT} pixels, made (but for other makes, which have
-baselines of the lab for pixels) by `tests/generator`, which shares no code with simulator and lab, forms effects in its own way, and has every base parameter off by up to
-30 %, on a scene of its own. The diagnosis gets events, frames (8 bit, {FPS:g} fps where nothing else is said)
-and the published parameters of the camera, on one thread. Its verdict is on disk before the answer is drawn
-from the seed. Seeds are {first} to {last}, {use} {REPORTED_FROM}.
+Each case is a recording of {SECONDS:g} s and {WIDTH} x {HEIGHT} pixels, made by `tests/generator`, which
+shares no code with simulator and lab, forms effects in its own way, and has every base parameter off by up to
+30 %, on a scene of its own; other makes have the lab's baselines for pixels. The diagnosis gets events,
+frames (8 bit, {FPS:g} fps where nothing else is said) and the published parameters of the camera, on one
+thread. Its verdict is on disk before the answer is drawn from the seed.
+Seeds are {first} to {last}, {use} {REPORTED_FROM}.
 Asked figures are those of `DIAGNOSIS.md`, section 5.
 
 Sources of simulator, lab and generator (digest, verdicts): {code or "none yet"}.{mixed}"""
