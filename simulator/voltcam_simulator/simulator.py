@@ -82,8 +82,10 @@ class Simulator:
         t_us: its time, int microseconds, later than the last one. The first frame gives no events.
         coarser: how many times longer than effects ask steps may be, where time is too short for all of them.
         Returns an array of dtype EVENT. Raises ValueError, with nothing changed, for a wrong shape, values
-        that are negative or not finite, or a time that does not advance.
+        that are negative or not finite, a time that does not advance, or steps finer than effects ask.
         """
+        if not 1 <= coarser < math.inf:
+            raise ValueError(f"steps {coarser} times as long as effects ask are not possible: give 1 or more")
         image = self._checked(frame)
         if self._frame is None:
             self.jump(image, t_us)

@@ -262,6 +262,18 @@ def test_what_cannot_be_is_refused_and_changes_nothing(
     assert after[0] == after[1]
 
 
+@pytest.mark.parametrize("coarser", [0.0, 0.5, -1.0, math.nan, math.inf])
+def test_steps_finer_than_effects_ask_are_refused_and_change_nothing(coarser: float) -> None:
+    simulator, twin = (Simulator(4, 5, seed=1) for _ in range(2))
+    for s in (simulator, twin):
+        s.advance(still(200, 4, 5), 0)
+    with pytest.raises(ValueError, match="give 1 or more"):
+        simulator.advance(still(100, 4, 5), 1000, coarser)
+    after = [s.advance(still(100, 4, 5), 2000).tobytes() for s in (simulator, twin)]
+    assert len(after[0]) > 0
+    assert after[0] == after[1]
+
+
 @pytest.mark.parametrize("wrong", [{"width": 0}, {"height": 9000}, {"law": "both"}, {"seed": -1}])
 def test_an_impossible_simulator_is_refused(wrong: dict[str, object]) -> None:
     arguments: dict[str, object] = {"width": 3, "height": 3, **wrong}

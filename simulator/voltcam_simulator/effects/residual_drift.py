@@ -61,10 +61,12 @@ def add_power(
     width: Any, height: Any, drift: Any,
 ) -> None:  # fmt: skip
     level = powered(first, last, power, dark)
-    for i in range(drift.shape[0]):
-        u = 2.0 * (i % width) / max(width - 1, 1) - 1
-        v = 2.0 * (first_row + i // width) / max(height - 1, 1) - 1
-        drift[i] += np.float32(size * level[i] * (1 + across * u + down * v))
+    for row in range(drift.shape[0] // width):
+        v = 2.0 * (first_row + row) / max(height - 1, 1) - 1
+        for column in range(width):
+            u = 2.0 * column / max(width - 1, 1) - 1
+            i = row * width + column
+            drift[i] += np.float32(size * level[i] * (1 + across * u + down * v))
 
 
 @kernel
