@@ -11,8 +11,9 @@ from ..battery import COUNTS, LABELS
 from .advice import next_recording
 from .catalogue import TURNS, Asymmetry, Candidate, Lamp
 from .identify import Identifiability
-from .loop import TOLERANCE, Diagnosis, Found
+from .loop import Diagnosis, Found
 from .model import BASE
+from .proof import TOLERANCE
 from .result import (
     Detectable,
     Effect,

@@ -10,26 +10,18 @@ from numpy.typing import NDArray
 from .catalogue import Candidate
 from .model import BASE, Model, flat
 from .precise import precise
+from .proof import UNNAMED, explain_together, explains, nearer, promising, rivals_of
 from .refit import refitted
 from .rig import Rig, Values
-from .robust import gap, loss
-from .search import ALPHA, AS_GOOD, DOUBT, LEFT_BEHIND, Step, base_fitted, step_of
+from .robust import gap
+from .search import Step, base_fitted, step_of
 from .trial import FITTING, Trial
 from .unlisted import Residual, residual_of, residual_step
 
 Verdict = Literal["effects", "none", "unknown"]
 Report = Callable[[str], None]
 
-TOLERANCE = 0.25  # of the gap over its floor: what an explanation may leave
 OPEN = 0.25  # of the gap over its floor: what frames may leave open without anything missing
-SHARE = 0.8  # of the gap over its floor: an effect that removes so much is named though not all is explained
-LEAST_SHARE = 0.3  # the same, of an effect that removes SHARE of it where it changes anything
-CLOSING_SHARE = 0.6  # the same, of an effect that leaves next to nothing; little is soon closed by half
-PLAIN = 1.0  # gap over its floor, about four floors: an effect of another form leaves less
-PLAIN_SHARE = 0.9  # instead of SHARE where more than PLAIN is left: what has no name may look like an effect
-OF_ALL, OF_REST = 0.9, 0.5  # the same, of several together, and of the last of these
-MOVED = 2.0  # of the spread: what an effect changes
-HELD_OUT_SHARE = 0.3  # of the training gain, by statistic, that held-out data must confirm
 DEEPEST = 4  # effects
 
 
@@ -77,9 +69,9 @@ def diagnose(
     report(_sentence(step))
     steps: list[Step] = [step]
     found: list[Found] = []
-    while len(found) < DEEPEST and (trials := _promising(step)):
+    while len(found) < DEEPEST and (trials := promising(step)):
         chain = _explained(rig, data, candidates, [*steps], trials[0], report)
-        if chain is None:
+        if chain is None or _has_no_name(rig, data, step, chain[-1][1], report):
             break
         for one, after in chain:
             found.append(one)
@@ -89,14 +81,23 @@ def diagnose(
         _drop_needless(rig, data, candidates, found, steps, report)
         step = steps[-1]
     kept, model, covariance = _needed(found, step.model), step.model, None
-    verdict: Verdict = "effects" if kept else "unknown" if _excess(step) > OPEN else "none"
+    verdict: Verdict = "effects" if kept else "unknown" if step.excess > OPEN else "none"
     if kept:
         sure = precise(rig, step.model, step.screen.spread, data)
         model, covariance = sure.model, sure.covariance
-    residual = _residual(rig, data, step, report) if _excess(step) > OPEN else None
+    residual = _residual(rig, data, step, report) if step.excess > OPEN else None
     if residual is not None:
         model = residual.model
     return Diagnosis(verdict, tuple(kept), model, tuple(steps), covariance, residual)
+
+
+def _has_no_name(rig: Rig, data: Values, before: Step, after: Step, report: Report) -> bool:
+    """Whether a drift or noise of no name is nearer than effects that explain a gap but leave some of it."""
+    if after.excess <= UNNAMED:
+        return False
+    report("Not all is explained: would a drift or a noise that nobody has a name for explain more?")
+    proven = promising(residual_step(rig, before.model, data))
+    return bool(proven) and nearer(before, after, proven[0])
 
 
 def _drop_needless(
@@ -124,7 +125,7 @@ def _drop_needless(
 def _residual(rig: Rig, data: Values, step: Step, report: Report) -> Residual | None:
     report("No listed effect explains what is left: looking for a drift or a noise that does.")
     open_step = residual_step(rig, step.model, data)
-    proven = _promising(open_step)
+    proven = promising(open_step)
     if not proven:
         return None
     residual = residual_of(open_step, proven[0])
@@ -149,75 +150,20 @@ def _explained(
     step = steps[-1]
     after = step_of(rig, trial.model, data, _left(candidates, trial.model), steps[0])
     report(_sentence(after))
-    one = Found(trial, step, _rivals(step, trial))
-    if _explains(step, after, steps[0]) or (begin and _explain_together(begin, step, after)):
+    one = Found(trial, step, rivals_of(step, trial))
+    if explains(step, after, steps[0]) or (begin and explain_together(begin, step, after)):
         return [(one, after)]
-    following = _promising(after)
+    following = promising(after)
     if depth == 0 or not following:
         return None
     rest = _explained(rig, data, candidates, [*steps, after], following[0], report, depth - 1, begin or step)
     return None if rest is None else [(one, after), *rest]
 
 
-def _explains(before: Step, after: Step, first: Step) -> bool:
-    """Whether what was added closes the gap, or so much of it that it is there whatever else is: nearly all;
-    or a part that leaves little, and nearly nothing in the statistics that it moves, of which some hold a
-    wrong effect back. Effects found since the first step may have left something, too."""
-    closed = TOLERANCE + LEFT_BEHIND * (_excess(first) - _excess(before))
-    removed = 1 - _excess(after) / max(_excess(before), 1e-9)
-    moved = np.abs(after.screen.spread.mean - before.screen.spread.mean) / before.screen.spread.v
-    own = flat(moved) > MOVED
-    was, left = (float((loss(flat(step.rest)) - flat(step.chance))[own].sum()) for step in (before, after))
-    part = removed >= LEAST_SHARE and _excess(after) <= 2 * TOLERANCE
-    alone = part and was > 0 and left <= (1 - SHARE) * was
-    least = CLOSING_SHARE if before is first else LEAST_SHARE
-    nearly_all = SHARE if _excess(after) <= PLAIN else PLAIN_SHARE
-    return (_excess(after) <= closed and removed >= least) or removed >= nearly_all or alone
-
-
-def _explain_together(begin: Step, before: Step, after: Step) -> bool:
-    """Whether effects none of which explains it alone close nearly all of a gap, the last a good part of
-    what the others leave, and leave nothing that is plain to see: two can take most of any other's place."""
-    of_all, of_rest = (1 - _excess(after) / max(_excess(step), 1e-9) for step in (begin, before))
-    plain = _excess(after) > max(PLAIN, LEFT_BEHIND * _excess(begin))
-    return of_all >= OF_ALL and of_rest >= OF_REST and not plain
-
-
-def _promising(step: Step) -> list[Trial]:
-    """Trials that stand: beyond chance over the whole catalogue, worth it, and confirmed on held-out data.
-
-    The gap there may be smaller, of a few hot pixels: no more than that can be confirmed.
-    """
-    n, gap_there = step.screen.spread.mean.shape[1], step.held_out - step.floor_held_out
-    if step.p_value > ALPHA:
-        return []
-    stand = []
-    for trial in step.trials:
-        enough = 3 * n * trial.gained > step.least
-        possible = min(trial.gained, max(gap_there, 0.5 * trial.gained))
-        if enough and trial.confirmed > HELD_OUT_SHARE * possible:
-            stand.append(trial)
-    return stand
-
-
-def _rivals(step: Step, best: Trial) -> tuple[str, ...]:
-    """Those that explain as much, as far as chance lets one tell, or that held-out data prefer.
-
-    Of two models at a distance d (in spreads), the true one has the lesser loss by d^2/2, give or take d.
-    """
-    n, close = 3 * step.screen.spread.mean.shape[1], []
-    for trial in _promising(step):
-        distance = float(np.linalg.norm(flat((trial.mean - best.mean) / step.screen.spread.lenient)))
-        as_good = n * (best.gained - trial.gained) < AS_GOOD + DOUBT * distance
-        if as_good or trial.confirmed > best.confirmed:
-            close.append(trial.candidate.effect)
-    return tuple(dict.fromkeys(effect for effect in close if effect != best.candidate.effect))
-
-
 def _left(candidates: Sequence[Candidate], model: Model) -> list[Candidate]:
-    """Those that are not in the model."""
-    there = {(candidate.effect, candidate.names) for candidate, _ in model.accepted}
-    return [candidate for candidate in candidates if (candidate.effect, candidate.names) not in there]
+    """Those of which not all sizes are in the model."""
+    there = {(candidate.effect, name) for candidate, _ in model.accepted for name in candidate.names}
+    return [one for one in candidates if not {(one.effect, name) for name in one.names} <= there]
 
 
 def _needed(found: list[Found], model: Model) -> list[Found]:
@@ -228,11 +174,6 @@ def _needed(found: list[Found], model: Model) -> list[Found]:
             kept.append(one)
         place += len(size)
     return kept
-
-
-def _excess(step: Step) -> float:
-    """The training gap over what chance leaves."""
-    return step.training - step.floor_training
 
 
 def _sentence(step: Step) -> str:

@@ -50,6 +50,11 @@ class Step:
     least: float
     trials: tuple[Trial, ...]
 
+    @property
+    def excess(self) -> float:
+        """The training gap over what chance leaves."""
+        return self.training - self.floor_training
+
 
 def base_fitted(rig: Rig, model: Model, data: Values) -> Model:
     """The model with its own parameters fitted, first roughly: what v is depends on where."""
@@ -97,11 +102,11 @@ def step_of(
 
 def _best(screen: Screen, gains: NDArray[np.float64], tried: int) -> list[int]:
     """The signatures of the highest gains, one for each candidate."""
-    chosen: dict[tuple[str, tuple[str, ...]], int] = {}
+    chosen: dict[tuple[object, ...], int] = {}
     for index in np.argsort(-gains):
         one = screen.signatures[index].candidate
         if gains[index] > WORTH_TRYING * gains.max():
-            chosen.setdefault((one.effect, one.names), int(index))
+            chosen.setdefault((one.effect, one.names, *one.others.items()), int(index))
     return list(chosen.values())[:tried]
 
 

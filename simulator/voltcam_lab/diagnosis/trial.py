@@ -3,17 +3,19 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .catalogue import Candidate
 from .model import BASE, HELD_OUT, TRAINING, Model, flat
-from .refit import refitted
+from .refit import FURTHEST, refitted
 from .rig import Rig, Values
 from .robust import gap
-from .screen import Screen
+from .screen import Screen, Signature
 
 COARSE, FITTING = range(500, 508), range(4)
 """Seeds of runs: for a rough spread, and to fit. 4 versions of the light."""
 LARGE = 1.0  # a gap, about four times what chance leaves
+AMOUNTS = (0.4, 1.0, 2.5)  # of a signature
 SCATTERS = 2.0  # times the spread without the effect
 
 
@@ -49,7 +51,8 @@ class Bench:
         """The effect of a signature, from where the score test has it.
 
         With a large gap that is too far for a straight line, and the base may have gone astray for want of
-        the effect: it is fitted from the camera file, too, if that is nearer.
+        the effect: it is fitted from where the base follows on a straight line at sizes of AMOUNTS, or from
+        the camera file, if that is nearer.
         """
         one, v, model = self.screen.signatures[index], self.screen.spread.lenient, self.screen.model
         z = flat((self.data - self.screen.spread.mean) / v)
@@ -60,9 +63,17 @@ class Bench:
         if gap(z) > LARGE:
             sizes = [one.candidate.scaled(each, more) for each in one.candidate.sizes for more in (1, 2.5)]
             starts += [from_file(model).with_effect(one.candidate, each) for each in (size, *sizes)]
+            starts += [self._followed(one, z, amount) for amount in AMOUNTS]
         means = self.rig.means([start.parameters() for start in starts], FITTING)
         nearest = int(np.argmin([gap(flat((self.data - mean) / v)) for mean in means]))
         return self.judged(one.candidate, starts[nearest], gain)
+
+    def _followed(self, one: Signature, z: NDArray[np.float64], amount: float) -> Model:
+        """The model with so much of a signature, its own parameters where they leave the least loss then."""
+        model, rest = self.screen.model, z - amount * flat(one.column)
+        shift = np.array(model.shift) + np.clip(self.screen.own(rest).x, -FURTHEST, FURTHEST)
+        moved = replace(model, shift=tuple(shift.tolist()))
+        return moved.with_effect(one.candidate, one.candidate.scaled(one.size, amount))
 
     def judged(self, candidate: Candidate, start: Model, gain: float, rounds: int = 1) -> Trial:
         """An effect fitted from `start` on.

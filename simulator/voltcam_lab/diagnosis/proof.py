@@ -1,0 +1,82 @@
+"""What stands: trials that held-out data confirm, effects that explain a gap, and what would do as well."""
+
+import numpy as np
+
+from .model import flat
+from .robust import loss
+from .search import ALPHA, AS_GOOD, DOUBT, LEFT_BEHIND, Step
+from .trial import Trial
+
+TOLERANCE = 0.25  # of the gap over its floor: what an explanation may leave
+SHARE = 0.8  # of the gap over its floor: an effect that removes so much is named though not all is explained
+LEAST_SHARE = 0.3  # the same, of an effect that removes SHARE of it where it changes anything
+CLOSING_SHARE = 0.6  # the same, of an effect that leaves next to nothing; little is soon closed by half
+PLAIN = 1.0  # gap over its floor, about four floors: an effect of another form leaves less
+PLAIN_SHARE = 0.9  # instead of SHARE where more than PLAIN is left: what has no name may look like an effect
+OF_ALL, OF_REST = 0.9, 0.5  # the same, of several together, and of the last of these
+MOVED = 2.0  # of the spread: what an effect changes
+HELD_OUT_SHARE = 0.3  # of the training gain, by statistic, that held-out data must confirm
+UNNAMED = 0.15  # gap over its floor: effects that leave more are held against forms without a name
+
+
+def explains(before: Step, after: Step, first: Step) -> bool:
+    """Whether what was added closes the gap, or so much of it that it is there whatever else is: nearly all;
+    or a part that leaves little, and nearly nothing in the statistics that it moves, of which some hold a
+    wrong effect back. Effects found since the first step may have left something, too."""
+    closed = TOLERANCE + LEFT_BEHIND * (first.excess - before.excess)
+    removed = 1 - after.excess / max(before.excess, 1e-9)
+    moved = np.abs(after.screen.spread.mean - before.screen.spread.mean) / before.screen.spread.v
+    own = flat(moved) > MOVED
+    was, left = (float((loss(flat(step.rest)) - flat(step.chance))[own].sum()) for step in (before, after))
+    part = removed >= LEAST_SHARE and after.excess <= 2 * TOLERANCE
+    alone = part and was > 0 and left <= (1 - SHARE) * was
+    least = CLOSING_SHARE if before is first else LEAST_SHARE
+    nearly_all = SHARE if after.excess <= PLAIN else PLAIN_SHARE
+    return (after.excess <= closed and removed >= least) or removed >= nearly_all or alone
+
+
+def explain_together(begin: Step, before: Step, after: Step) -> bool:
+    """Whether effects none of which explains it alone close nearly all of a gap, the last a good part of
+    what the others leave, and leave nothing that is plain to see: two can take most of any other's place."""
+    of_all, of_rest = (1 - after.excess / max(step.excess, 1e-9) for step in (begin, before))
+    plain = after.excess > max(PLAIN, LEFT_BEHIND * begin.excess)
+    return of_all >= OF_ALL and of_rest >= OF_REST and not plain
+
+
+def promising(step: Step) -> list[Trial]:
+    """Trials that stand: beyond chance over the whole catalogue, worth it, and confirmed on held-out data.
+
+    The gap there may be smaller, of a few hot pixels: no more than that can be confirmed.
+    """
+    n, gap_there = step.screen.spread.mean.shape[1], step.held_out - step.floor_held_out
+    if step.p_value > ALPHA:
+        return []
+    stand = []
+    for trial in step.trials:
+        enough = 3 * n * trial.gained > step.least
+        possible = min(trial.gained, max(gap_there, 0.5 * trial.gained))
+        if enough and trial.confirmed > HELD_OUT_SHARE * possible:
+            stand.append(trial)
+    return stand
+
+
+def rivals_of(step: Step, best: Trial) -> tuple[str, ...]:
+    """Those that explain as much, as far as chance lets one tell, or that held-out data prefer.
+
+    Of two models at a distance d (in spreads), the true one has the lesser loss by d^2/2, give or take d.
+    """
+    n, close = 3 * step.screen.spread.mean.shape[1], []
+    for trial in promising(step):
+        distance = float(np.linalg.norm(flat((trial.mean - best.mean) / step.screen.spread.lenient)))
+        as_good = n * (best.gained - trial.gained) < AS_GOOD + DOUBT * distance
+        if as_good or trial.confirmed > best.confirmed:
+            close.append(trial.candidate.effect)
+    return tuple(dict.fromkeys(effect for effect in close if effect != best.candidate.effect))
+
+
+def nearer(before: Step, after: Step, trial: Trial) -> bool:
+    """Whether a trial is nearer to the data than what was added, by more than chance lets one tell."""
+    spread = before.screen.spread
+    gained = flat(spread.mean).size * (after.training - trial.training)
+    distance = float(np.linalg.norm(flat((trial.mean - after.screen.spread.mean) / spread.lenient)))
+    return gained > AS_GOOD + DOUBT * distance
