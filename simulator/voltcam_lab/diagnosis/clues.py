@@ -23,7 +23,8 @@ def clues(setting: Setting, events: NDArray[np.void], row_us: float | None = Non
     scene, t_us = setting.scene, events["t"].astype(np.int64)
     seconds = float(scene.t_us[-1] - scene.t_us[0]) * 1e-6
     per_ms = np.bincount((t_us - int(scene.t_us[0])) // 1000) if t_us.size else np.zeros(1)
-    start_us, exposure_us = exposure_of(setting, events)
+    row_us = USUAL_ROW_US if row_us is None else row_us
+    start_us, exposure_us = exposure_of(setting, events, row_us)
     start_us -= setting.parameters.latency.delay_us  # all events of the model come later by that
     return Clues(
         seconds=seconds,
@@ -31,28 +32,40 @@ def clues(setting: Setting, events: NDArray[np.void], row_us: float | None = Non
         flicker_hz=loudest_hz(t_us, events["p"]),
         frame_period_us=setting.frame_period_us,
         exposure_us=exposure_us,
-        row_us=USUAL_ROW_US if row_us is None else row_us,
+        row_us=row_us,
         rows=scene.height,
         exposure_start_us=start_us,
         quantum_us=quantum(t_us),
     )
 
 
-def exposure_of(setting: Setting, events: NDArray[np.void]) -> tuple[float, float]:
-    """(start of some exposure [us], its length): as recorded, or where ON events crowd in the frame's
-    phase."""
+def exposure_of(setting: Setting, events: NDArray[np.void], row_us: float) -> tuple[float, float]:
+    """(start of some exposure [us], its length): as recorded, or from where ON events crowd in the frame's
+    phase to where OFF events do, at once or row after row, whichever is the sharper crowd."""
     if setting.exposure_us is not None:
         lengths = setting.exposure_us[:, 1] - setting.exposure_us[:, 0]
         return float(setting.exposure_us[0, 0]), float(np.median(lengths))
-    period_us, bins = setting.frame_period_us, max(8, int(setting.frame_period_us / 100))
-    origin_us = float(setting.frame_t_us[0])
-    on, off = (events["t"][events["p"] == p] - origin_us for p in (True, False))
-    peaks = []
-    for t_us in (on, off):
-        phase = (t_us % period_us) / period_us
-        peaks.append(int(np.argmax(np.bincount((phase * bins).astype(np.int64), minlength=bins))) / bins)
-    length = (peaks[1] - peaks[0]) % 1.0 * period_us
-    return origin_us + peaks[0] * period_us, length if 50 < length < period_us / 2 else USUAL_EXPOSURE_US
+    period_us, origin_us = setting.frame_period_us, float(setting.frame_t_us[0])
+    since_us, on = events["t"] - origin_us, events["p"]
+    start, _ = _crowd(since_us[on], period_us)
+    off_us, row = since_us[~on], events["y"][~on]
+    end, _ = max(
+        (_crowd(off_us - per_row_us * row, period_us) for per_row_us in (0.0, row_us)), key=lambda one: one[1]
+    )
+    length = (end - start) % 1.0 * period_us
+    return origin_us + start * period_us, length if 50 < length < period_us / 2 else USUAL_EXPOSURE_US
+
+
+def _crowd(t_us: NDArray[np.float64], period_us: float) -> tuple[float, int]:
+    """The phase (0 to 1) of a period about which most events come, and how many in a tenth of a
+    millisecond."""
+    bins = max(8, int(period_us / 100))
+    phase = (t_us % period_us) / period_us
+    counts = np.bincount((phase * bins).astype(np.int64), minlength=bins)
+    fullest = (int(np.argmax(counts)) + 0.5) / bins
+    beside = (phase - fullest + 0.5) % 1.0 - 0.5
+    near = beside[np.abs(beside) < 1 / bins]
+    return fullest + (float(np.median(near)) if near.size else 0.0), int(counts.max())
 
 
 def loudest_hz(t_us: NDArray[np.int64], on: NDArray[np.bool_]) -> float:

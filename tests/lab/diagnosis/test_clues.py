@@ -5,10 +5,10 @@ import pytest
 
 from voltcam_lab.battery import setting_of
 from voltcam_lab.diagnosis.catalogue import Lamp
-from voltcam_lab.diagnosis.clues import in_step, loudest_hz, quantum
+from voltcam_lab.diagnosis.clues import exposure_of, in_step, loudest_hz, quantum
 from voltcam_lab.diagnosis.rig import Rig
 from voltcam_lab.scene import scene_of
-from voltcam_simulator import Parameters
+from voltcam_simulator import EVENT, Parameters
 
 
 @pytest.mark.parametrize("hz", [100.0, 120.0, 73.0])
@@ -51,6 +51,20 @@ def test_the_phase_of_flickering_light(turns: float) -> None:
 def test_no_phase_is_looked_for_where_no_lamp_is_to_be_heard() -> None:
     rig = swaying()
     assert in_step(rig, PAPER, LAMP, rig.events(PAPER, [5])[0]) is LAMP
+
+
+@pytest.mark.parametrize("row_us", [0.0, 35.25])
+def test_the_exposure_from_events_that_crowd_at_its_ends(row_us: float) -> None:
+    """Frames that nobody sees: ON events when they begin, OFF events at their end, at once or by rows."""
+    rng, n = np.random.default_rng(3), 4000
+    events = np.zeros(n, EVENT)
+    events["y"], events["p"] = rng.integers(0, 12, n), rng.random(n) < 0.5
+    frame, scattered = rng.integers(0, 399, n) * 5000, rng.random(n) < 0.8
+    kicked = frame + 1730 + np.where(events["p"], 0, 870 + row_us * events["y"])
+    events["t"] = np.where(scattered, rng.integers(0, 2_000_000, n), kicked)
+    start_us, length_us = exposure_of(swaying().setting, events, 35.25)
+    assert start_us % 5000 == pytest.approx(1730, abs=20)
+    assert length_us == pytest.approx(870, abs=40)
 
 
 def test_the_tick_of_time_stamps() -> None:
