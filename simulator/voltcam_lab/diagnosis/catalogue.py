@@ -104,7 +104,7 @@ def catalogue(clues: Clues) -> tuple[Candidate, ...]:
         "row_us": clues.row_us,
         "offset_us": clues.exposure_start_us - clues.rows * clues.row_us,
     }
-    scans, until_read = ((0.03, 0.03), (-0.03, -0.03)), ((0.03, -0.03), (-0.03, 0.03))
+    scans, until_read = ((0.03, 0.03), (-0.03, -0.03)), ((0.03, -0.03, 300), (-0.03, 0.03, 300))
     usb = {"buffer_events": 64}
     lamp = {"frequency_hz": clues.flicker_hz, "phase_turns": 0.0}
     return (
@@ -114,7 +114,7 @@ def catalogue(clues: Clues) -> tuple[Candidate, ...]:
         Lamp("flicker", ("depth", "advance"), ((0.02, 1.0), (0.05, 1.0)), lamp),
         Candidate("aps_coupling", **_one("exposure_kick", 0.03, -0.03), others=scan),
         Candidate("aps_coupling", ("readout_kick", "reset_kick"), scans, others=scan),
-        Candidate("aps_coupling", ("exposure_kick", "readout_kick"), until_read, others=scan),
+        Candidate("aps_coupling", ("exposure_kick", "readout_kick", "line_us"), until_read, others=scan),
         Candidate("latency", ("delay_us", "jitter_us"), ((200, 200), (1200, 1200))),
         Candidate("latency", **_one("delay_us", 1000, -1000)),
         Candidate("readout", **_one("event_us", 20, 60)),

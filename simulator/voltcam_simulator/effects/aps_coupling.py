@@ -16,7 +16,7 @@ class ApsCoupling(Effect):
 
     A frame, as the time stamps of a DAVIS346 tell it: at its start the reset levels are read, row after row
     from row 0; then the exposure begins; at its end the signals are read, again row after row. A row's line
-    is up for row_us, the exposure's for exposure_us; a kick goes with it and is taken back. Times are whole
+    is up for line_us, the exposure's for exposure_us; a kick goes with it and is taken back. Times are whole
     nanoseconds from the time line's zero, so every kick comes once, however time is cut.
     """
 
@@ -33,6 +33,10 @@ class ApsCoupling(Effect):
     row_us: float = quantity(
         35.25, unit="us", ge=0.01, le=10_000, meaning="time to read a row", source=_MEASURED
     )
+    line_us: float = quantity(
+        0.0, unit="us", ge=0, le=1e6, meaning="how long a row's line is up; 0: until the next row's turn",
+        source="row_us: as if one line were read at a time (assumed)",
+    )  # fmt: skip
     offset_us: float = quantity(
         0.0,
         unit="us",
@@ -69,13 +73,14 @@ class ApsCoupling(Effect):
     def _kicks(self, band: Band) -> list[tuple[NDArray[np.int64], float]]:
         """Kicks of one frame: (time for each row of the band [ns from the frame's start], size)."""
         sensor, row = band.sensor, round(self.row_us * NS_PER_US)
+        line = round(self.line_us * NS_PER_US) or row
         rows = np.arange(band.light.size // sensor.width, dtype=np.int64)
         scan = (band.first_row + rows) * row
         exposed = np.full_like(scan, sensor.height * row)
         read = exposed + round(self.exposure_us * NS_PER_US)
         pulses = [
-            (scan, scan + row, self.reset_kick),
+            (scan, scan + line, self.reset_kick),
             (exposed, read, self.exposure_kick),
-            (read + scan, read + scan + row, self.readout_kick),
+            (read + scan, read + scan + line, self.readout_kick),
         ]
         return [kick for up, down, size in pulses if size for kick in ((up, size), (down, -size))]

@@ -51,6 +51,16 @@ def test_leak_events_lock_to_the_two_scans() -> None:
         assert (late_us == 0).mean() > 0.99
 
 
+def test_a_row_is_caught_for_as_long_as_its_line_is_up() -> None:
+    """In 1 of 10 ms a leak brings a tenth of what it brings in a frame: so many do not fire at once."""
+    events = watch(leaky(readout_kick=0.05, line_us=1000), cuts(50))
+    events = events[events["t"] > 20_000]
+    late_us = phase_us(events) - np.floor(events["y"] * ROW_US + HEIGHT * ROW_US + EXPOSURE_US)
+    assert late_us.min() >= 0
+    assert 900 < late_us.max() <= 1001
+    assert (late_us > 0).mean() == pytest.approx(0.1, abs=0.02)
+
+
 def test_exposure_catches_on_where_it_begins_and_sets_off_free_where_it_ends() -> None:
     """While a scene brightens ON events come in the exposure, 4 of 10 ms, or as it begins: all that are due
     before the next. While it darkens OFF does not come in the exposure, but as it ends."""
