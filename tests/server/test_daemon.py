@@ -141,7 +141,7 @@ def test_ten_degrees_multiply_the_leak_by_arrhenius(tmp_path: Path) -> None:
     """
     still = save_frames(tmp_path / "still.npz", np.full((1500, HEIGHT, WIDTH), 128, np.uint8), 20_000)
     leak = {"junction_leak": {"k4_per_us": 1e-4}, "parasitic_photocurrent": {"k5_per_dn_us": 0}}
-    with Daemon("--source", still, "--camera", camera_file(tmp_path, **leak)) as daemon:
+    with Daemon("--source", still, "--loop", "--camera", camera_file(tmp_path, **leak)) as daemon:
         control = Control(daemon.url)
         packets = collect(daemon.zmq, 0.7, lambda: control.set({"temperature_c": 35}))
         (before, n1), (after, n2) = (rate_per_s(packets, version) for version in (0, 1))
@@ -161,7 +161,7 @@ def test_doubled_thresholds_halve_the_rate(tmp_path: Path) -> None:
     frames = np.ones((len(levels), HEIGHT, WIDTH), np.uint8) * levels[:, None, None]
     source = save_frames(tmp_path / "waves.npz", frames, 10_000)
     file = camera_file(tmp_path, contrast_response={"k1": 50})
-    with Daemon("--source", source, "--loop", "--camera", file) as daemon:
+    with Daemon("--source", source, "--loop", "--fast", "--camera", file) as daemon:
         control = Control(daemon.url)
         doubled = {"comparator": {"theta_on": 2, "theta_off": 2}}
         packets = collect(daemon.zmq, 2.0, lambda: control.set(doubled))
