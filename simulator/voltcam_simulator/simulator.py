@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,6 +11,7 @@ from .cameras import SIDE_LIMIT
 from .effect import EVENT, Events, Readout, overrides
 from .event_key import TIME_BITS, unpack
 from .event_order import copied, merged
+from .kernel import kernel
 from .parameters import Parameters
 from .pixel_array import Law, PixelArray
 from .rows import Image
@@ -181,6 +183,15 @@ class Simulator:
         if image.dtype.kind not in "buif":
             raise ValueError(f"the frame is of type {image.dtype}: give real numbers")
         plane = image.astype(np.float32, order="C")
-        if not (plane.min() >= 0 and plane.max() < np.inf):  # nan is neither
+        if not _is_light(plane.ravel()):
             raise ValueError("the frame has values that are negative or not finite: grey levels start at 0")
         return plane
+
+
+@kernel
+def _is_light(plane: Any) -> Any:
+    """Whether all values (n,) are finite and none is negative; nan is neither."""
+    sound = True
+    for i in range(plane.shape[0]):
+        sound &= (plane[i] >= 0) & (plane[i] < np.inf)
+    return sound

@@ -14,6 +14,7 @@ from .rig import Rig
 USUAL_ROW_US = 35.25  # DAVIS346
 USUAL_EXPOSURE_US = 500.0
 FLICKER_HZ = (40.0, 500.0)
+MAINS_HZ = 100.0  # of light, where no lamp is to be heard
 LEAST_LINE = 8.0  # of the root of the number of events: the loudest has 2 to 5 without a lamp, 50 with 1 %
 DEPTHS = (0.002, 0.02, 0.05, 0.15)  # of the light, at which a lamp's phase is looked for
 
@@ -72,9 +73,11 @@ def loudest_hz(t_us: NDArray[np.int64], on: NDArray[np.bool_]) -> float:
     """The frequency at which ON and OFF events come most by turns, in FLICKER_HZ; t_us ascending.
 
     Both together would show twice the frequency of a lamp: its light rises once a period, and falls once.
+    It is MAINS_HZ unless a line is louder than chance's, which are often the highest: to simulate light that
+    flickers so fast costs ten times as much.
     """
     if t_us.size < 2:
-        return 100.0
+        return MAINS_HZ
     step_us = 500
     step = (t_us - t_us[0]) // step_us
     signed, rate = np.bincount(step, 2.0 * on - 1), np.bincount(step).astype(float)
@@ -84,9 +87,10 @@ def loudest_hz(t_us: NDArray[np.int64], on: NDArray[np.bool_]) -> float:
     hz = np.fft.rfftfreq(4 * rate.size, step_us * 1e-6)
     inside = (hz >= FLICKER_HZ[0]) & (hz <= FLICKER_HZ[1])
     if not inside.any():
-        return 100.0
+        return MAINS_HZ
     near = hz[inside][np.argmax(power[inside])] + np.linspace(-1, 1, 41) * hz[1]
-    return float(max(near.tolist(), key=lambda one: abs(line(t_us, on, float(one)))))
+    loudness, loudest = max((abs(line(t_us, on, one)), one) for one in near.tolist())
+    return loudest if loudness >= LEAST_LINE * np.sqrt(t_us.size) else MAINS_HZ
 
 
 def line(t_us: NDArray[np.int64], on: NDArray[np.bool_], hz: float) -> complex:

@@ -22,7 +22,7 @@ Image = tuple[NDArray[np.float32], int]
 LEAD_IN_US = 300_000  # for which a camera has been there before it records: light that flickers, queues
 LEAD_IN_PULSES = 60  # of the frame readout, if there are any: they have fired by then whom they can at once
 LEAD_OUT_US = 100_000  # for which it goes on, for events that are late
-REMEMBERED = 500  # batches, some 50 MB: a fit begins where another one has been
+REMEMBERED = 1500  # batches, some 150 MB: a fit begins where another one has been
 PLACED = ("readout", "usb_overflow", "vignetting")
 """Effects to which a pixel's column or what others do matters: they do not act on sensors side by side."""
 GUTTER = 1  # dark columns between sensors side by side: no event of one is a neighbour of the next

@@ -5,7 +5,7 @@ import pytest
 
 from voltcam_lab.battery import setting_of
 from voltcam_lab.diagnosis.catalogue import Lamp
-from voltcam_lab.diagnosis.clues import exposure_of, in_step, loudest_hz, quantum
+from voltcam_lab.diagnosis.clues import MAINS_HZ, exposure_of, in_step, loudest_hz, quantum
 from voltcam_lab.diagnosis.rig import Rig
 from voltcam_lab.scene import scene_of
 from voltcam_simulator import EVENT, Parameters
@@ -27,6 +27,15 @@ def test_a_lamp_that_makes_events_twice_a_period_is_not_taken_for_a_faster_one()
     kept = rng.random(phase.size) < np.cos(phase) ** 2
     t_us = phase[kept] / (2 * np.pi * 100) * 1e6
     assert loudest_hz(t_us.astype(np.int64), np.cos(phase[kept]) > 0) == pytest.approx(100, abs=0.2)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_no_lamp_is_made_of_the_loudest_of_chance_s_lines(seed: int) -> None:
+    """n = 30 000 events at random, some 5000 independent lines: one of them is longer than 8 sqrt(n) in less
+    than one of 10^24 runs."""
+    rng = np.random.default_rng(seed)
+    t_us = np.sort(rng.integers(0, 5_000_000, 30_000))
+    assert loudest_hz(t_us, rng.random(t_us.size) < 0.5) == MAINS_HZ
 
 
 PAPER = Parameters.of("paper")
