@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import log
+from math import log, sqrt
 
 from tests.generator import Effect
 
@@ -10,7 +10,7 @@ from .ask import Named
 from .cases import HEIGHT, SECONDS, WIDTH
 
 DARK_CARDS_DN = 10.0  # the darkest of the scenes, where low-light noise is seen
-KELVIN, K_OVER_EA = 298.15, 8.617e-5 / 0.56  # of the junction leak: exp(-Ea/kT), from 25 C on
+KELVIN, K_OVER_EA = 298.15, 8.617e-5 / 0.56  # of the junction leak: exp(-Ea/kT), about 25 C
 
 
 @dataclass(frozen=True)
@@ -27,6 +27,11 @@ class Size:
 def _some(fraction: float) -> float:
     """Of the array: whole pixels, at least one."""
     return max(round(fraction * WIDTH * HEIGHT), 1) / (WIDTH * HEIGHT)
+
+
+def _rise(inverse: float) -> float:
+    """How far apart two temperatures are whose inverses differ by that, KELVIN in the middle between them."""
+    return 2 * (sqrt(1 + (inverse * KELVIN) ** 2) - 1) / inverse
 
 
 Truth = Callable[[dict[str, float]], float]
@@ -52,9 +57,7 @@ TRUTHS: dict[str, dict[str, Truth]] = {
     "reset_noise": {"sigma": lambda p: p["sigma"]},
     "leak_mismatch": {"sigma": lambda p: p["sigma"]},
     "dead_pixels": {"fraction": lambda p: _some(p["fraction"])},
-    "temperature_drift": {
-        "rate_c_per_s": lambda p: (1 / (1 / KELVIN - K_OVER_EA * log(p["factor"])) - KELVIN) / SECONDS
-    },
+    "temperature_drift": {"rate_c_per_s": lambda p: _rise(K_OVER_EA * log(p["factor"])) / SECONDS},
 }
 
 

@@ -6,6 +6,7 @@ from math import log
 from typing import Any
 
 from voltcam_simulator import Parameters
+from voltcam_simulator.effects.temperature_drift import COLDEST_C, HOTTEST_C
 
 WEAKER = ("cutoff_hz", "max_rate_events_per_s")
 """Sizes that make an effect weaker when they grow."""
@@ -77,6 +78,22 @@ class Lamp(Candidate):
 
 
 @dataclass(frozen=True)
+class Warming(Candidate):
+    """A temperature that passes the camera file's in the middle of the recording, `seconds` long.
+
+    Were it that at the start, leaks would be larger on average; what the base has is fitted to their mean.
+    """
+
+    seconds: float = 1.0
+
+    def on(self, parameters: Parameters, size: tuple[float, ...]) -> Parameters:
+        """The parameters with a warming, and the temperature from which it begins."""
+        start_c = parameters.temperature_c - 0.5 * size[0] * self.seconds
+        start_c = min(max(start_c, COLDEST_C), HOTTEST_C)
+        return super().on(parameters, size).changed({"temperature_c": start_c})
+
+
+@dataclass(frozen=True)
 class Clues:
     """What a recording tells of effects that have a clock or a place of their own."""
 
@@ -105,6 +122,7 @@ def catalogue(clues: Clues) -> tuple[Candidate, ...]:
         "offset_us": clues.exposure_start_us - clues.rows * clues.row_us,
     }
     scans, until_read = ((0.03, 0.03), (-0.03, -0.03)), ((0.03, -0.03, 300), (-0.03, 0.03, 300))
+    warmings = _one("rate_c_per_s", warming, 2.3 * warming, -warming)
     usb = {"buffer_events": 64}
     lamp = {"frequency_hz": clues.flicker_hz, "phase_turns": 0.0}
     return (
@@ -124,7 +142,7 @@ def catalogue(clues: Clues) -> tuple[Candidate, ...]:
         Candidate("reset_noise", **_one("sigma", 0.1, 0.25)),
         Candidate("leak_mismatch", **_one("sigma", 0.3, 0.8)),
         Candidate("dead_pixels", **_one("fraction", 0.01)),
-        Candidate("temperature_drift", **_one("rate_c_per_s", warming, 2.3 * warming, -warming)),
+        Warming("temperature_drift", **warmings, seconds=clues.seconds),
         Candidate("usb_overflow", **_one("max_rate_events_per_s", 0.4 * clues.peak_rate_per_s), others=usb),
         Candidate("crosstalk", **_one("coupling", 0.05)),
         Candidate("noise_pairs", **_one("rate_hz", 2)),

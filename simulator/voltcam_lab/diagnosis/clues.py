@@ -73,8 +73,8 @@ def loudest_hz(t_us: NDArray[np.int64], on: NDArray[np.bool_]) -> float:
     """The frequency at which ON and OFF events come most by turns, in FLICKER_HZ; t_us ascending.
 
     Both together would show twice the frequency of a lamp: its light rises once a period, and falls once.
-    It is MAINS_HZ unless a line is louder than chance's, which are often the highest: to simulate light that
-    flickers so fast costs ten times as much.
+    It is MAINS_HZ where no line is louder than those of chance, which are often near the upper end: to
+    simulate light that flickers so fast costs ten times as much.
     """
     if t_us.size < 2:
         return MAINS_HZ

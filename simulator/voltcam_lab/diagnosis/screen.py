@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import gumbel_r
+from scipy.stats import chi2, gumbel_r
 
 from .catalogue import Candidate
 from .model import Model, Spread, flat
@@ -14,8 +14,8 @@ from .robust import Fitted, fitted
 
 AMOUNT_SD = 1.0  # of an effect's amount about 0, in units of the size tried
 OPEN_GAIN = 6.0  # of training loss: what light that frames leave open adds to a recording's, not to twins'
-OPEN_GAINS = -OPEN_GAIN * np.log(1 - (np.arange(28) + 0.5) / 28)
-"""Quantiles of an exponential distribution of that mean: to some recordings it adds next to nothing."""
+OPEN_GAINS = OPEN_GAIN * chi2.ppf((np.arange(28) + 0.5) / 28, 1)
+"""Quantiles of its distribution: an error goes either way, and its square is what it adds."""
 
 
 @dataclass(frozen=True, eq=False)

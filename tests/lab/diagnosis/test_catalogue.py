@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from voltcam_lab.diagnosis.catalogue import SCALED, Asymmetry, Clues, Lamp, catalogue
+from voltcam_lab.diagnosis.catalogue import SCALED, Asymmetry, Clues, Lamp, Warming, catalogue
 from voltcam_lab.diagnosis.model import Model, within
 from voltcam_lab.diagnosis.unlisted import forms
 from voltcam_simulator import Parameters
@@ -58,6 +58,19 @@ def test_unequal_thresholds_keep_their_product_and_the_on_events() -> None:
     for effect, name in SCALED:
         now, then = (getattr(getattr(one, effect), name) for one in (after, before))
         assert now / comparator.theta_on == pytest.approx(then)
+
+
+@pytest.mark.parametrize("rate", [3.0, -3.0])
+def test_a_warming_passes_the_temperature_of_the_camera_file_in_the_middle(rate: float) -> None:
+    warming = next(one for one in catalogue(CLUES) if isinstance(one, Warming))
+    after = warming.on(Parameters.of("paper"), (rate,))
+    assert after.temperature_c + rate * CLUES.seconds / 2 == pytest.approx(25)
+
+
+def test_a_warming_begins_and_ends_where_a_camera_may_be() -> None:
+    warming = next(one for one in catalogue(CLUES) if isinstance(one, Warming))
+    long = replace(warming, seconds=60.0)
+    assert [long.on(Parameters.of("paper"), (rate,)).temperature_c for rate in (10, -10)] == [-40, 125]
 
 
 def test_sizes_stay_inside_the_limits_of_the_registry() -> None:
