@@ -84,7 +84,7 @@ class Warming(Candidate):
     Were it that at the start, leaks would be larger on average; what the base has is fitted to their mean.
     """
 
-    seconds: float = 1.0
+    seconds: float = field(kw_only=True)
 
     def on(self, parameters: Parameters, size: tuple[float, ...]) -> Parameters:
         """The parameters with a warming, and the temperature from which it begins."""
