@@ -62,6 +62,8 @@ class Sensor:
     reset_sigma: float = 0.0
     own: dict[str, State] = field(default_factory=dict)
     """Patterns that only one effect reads, by its name."""
+    set_us: dict[str, float] = field(default_factory=dict)
+    """When each effect was set to what it is, by its name, from the first frame."""
 
     def pattern(self, name: str) -> np.random.Generator:
         """Random numbers for one effect's pattern: repeatable, and not moved by other effects."""

@@ -32,6 +32,8 @@ class PixelArray:
         self._pending = np.zeros(pixels, np.float32)  # variance gathered since a voltage was last drawn
         self.light, self._response = np.zeros(pixels, np.float32), np.zeros(pixels, np.float32)
         self._held = np.zeros(0, np.float32)  # dead time left [us], once there is any
+        self.effects: list[Effect] = []
+        self._set_us: dict[str, float] = {}
         self.state: dict[str, State] = {}
         shares = threads * math.ceil(pixels / BAND_PIXELS / threads)  # as many bands for each thread
         self._band_rows = math.ceil(height / min(shares, height))
@@ -47,10 +49,14 @@ class PixelArray:
         theta_on, theta_off = np.ones((2, self.height, self.width), np.float32)
         dark_level_dn = parameters.contrast_response.k2_dn
         self.sensor = sensor = Sensor(
-            self.width, self.height, self.seed, parameters.temperature_c, dark_level_dn, theta_on, theta_off
-        )
+            self.width, self.height, self.seed, parameters.temperature_c, dark_level_dn, theta_on, theta_off,
+            set_us=self._set_us,
+        )  # fmt: skip
+        former = {effect.name: effect for effect in self.effects}
         self.effects = [self._by_law(effect) for effect in parameters.effects() if effect.active]
         for effect in self.effects:
+            if effect != former.get(effect.name):
+                self._set_us[effect.name] = self._elapsed_us
             effect.prepare(sensor)
         sensor.theta_on, self._above = self._shared(sensor.theta_on)
         sensor.theta_off, self._below = self._shared(sensor.theta_off)

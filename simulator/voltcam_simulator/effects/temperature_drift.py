@@ -10,7 +10,8 @@ COLDEST_C, HOTTEST_C = -40.0, 125.0
 
 
 class TemperatureDrift(Effect):
-    """temperature_c + rate t + amplitude sin(2 pi t/period), t from the first frame."""
+    """temperature_c + rate t + amplitude sin(2 pi t/period), t from the first frame, or from when it is set
+    to this while the camera runs."""
 
     signature: ClassVar[str] = "the rate of ON events at rest rises or falls over minutes, OFF does not"
 
@@ -41,7 +42,7 @@ class TemperatureDrift(Effect):
         band.temperature_c = self._at(band, band.elapsed_us + 0.5 * band.span_us)
 
     def _at(self, band: Band, elapsed_us: float) -> float:
-        t_s = elapsed_us * 1e-6
+        t_s = (elapsed_us - band.sensor.set_us[self.name]) * 1e-6
         swing = self.amplitude_c * math.sin(2 * math.pi * t_s / self.period_s)
         drifted = band.sensor.temperature_c + self.rate_c_per_s * t_s + swing
         return min(max(drifted, COLDEST_C), HOTTEST_C)

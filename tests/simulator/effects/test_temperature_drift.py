@@ -38,3 +38,19 @@ def test_a_swing_comes_back() -> None:
 def test_it_stops_where_no_camera_works() -> None:
     measured = rates({"rate_c_per_s": 10}, 14, leak=1e-6)
     np.testing.assert_allclose(measured[10:], arrhenius(125, 0.56), atol=0.15)
+
+
+def test_it_begins_when_it_is_set_and_what_else_is_set_leaves_it_alone() -> None:
+    light, before = np.full((SIDE, SIDE), 9.0), only(junction_leak={"k4_per_us": LEAK})
+    warming = before.changed({"temperature_drift": {"rate_c_per_s": 2.0}})
+    simulator, counts = Simulator(SIDE, SIDE, before, seed=3), []
+    simulator.advance(light, 0)
+    for second in range(1, 11):
+        if second == 7:
+            simulator.parameters = warming
+        if second == 9:
+            simulator.parameters = warming.changed({"reset_noise": {"sigma": 0.01}})
+        counts.append(len(simulator.advance(light, second * 1_000_000)) / SIDE**2)
+    temperature_c = 25 + 2.0 * np.maximum(np.arange(10) + 0.5 - 6, 0)  # of each second, half way
+    expected = [LEAK * 1e6 * arrhenius(t, 0.56) for t in temperature_c]
+    np.testing.assert_allclose(counts, expected, atol=1.1)  # an event each, and resets' noise
