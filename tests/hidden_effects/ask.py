@@ -63,6 +63,7 @@ class Verdict(BaseModel):
     verdict: Literal["effects", "none", "unknown", "refused"]
     effects: tuple[Named, ...] = ()
     formula: str = ""  # of the generic term that explains part of an unknown effect
+    gap_with_formula: float | None = None  # that which it leaves, beside gap_after without it
     gap_before: float = 0.0
     gap_after: float = 0.0
     gap_floor: float = 0.0
@@ -108,8 +109,9 @@ def _verdict(diagnosis: Diagnosis) -> Verdict:
         )
         for found in diagnosis.found
     )
+    residual = diagnosis.residual
     return Verdict(
-        verdict=diagnosis.verdict, effects=effects,
-        formula=diagnosis.residual.formula if diagnosis.residual else "", gap_before=first.held_out,
+        verdict=diagnosis.verdict, effects=effects, formula=residual.formula if residual else "",
+        gap_with_formula=residual.trial.held_out if residual else None, gap_before=first.held_out,
         gap_after=last.held_out, gap_floor=last.floor_held_out, p_value=first.p_value,
     )  # fmt: skip

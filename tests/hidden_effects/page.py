@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from tests.generator import FAULTS, UNLISTED
 
+from .ask import Verdict
 from .cases import FPS, FURTHER, HEIGHT, REPORTED_FROM, SECONDS, SINGLES, WIDTH, Case
 from .makes import MAKES
 from .run import Line
@@ -41,8 +42,9 @@ _BY_EFFECT = """\
 Named of how many, by level; median of the share of the removable held-out gap that was removed, and of the
 size found over the hidden one, where named."""
 _UNLISTED = """\
-The formula is that of the generic term which the diagnosis added, where it did; "unknown" stays the verdict.
-The names are those of `tests/generator/unlisted.py`."""
+The formula is that of the generic term which the diagnosis added, where it did, with the gap on held-out data
+before and after it, and the floor; "unknown" stays the verdict. The names are those
+of `tests/generator/unlisted.py`."""
 _MAKES = """\
 The pixels of ESIM and v2e as their papers have them, on scenes of the generator; the camera file has their
 thresholds and nothing else. Gaps are on held-out data."""
@@ -124,9 +126,14 @@ def _unlisted(found: Sequence[Judged]) -> str:
         answers = [
             ", ".join(_answered(one) for one in of if one.case.effects[0][1] == level) for level in LEVELS[:2]
         ]
-        formulas = [one.line.verdict.formula for one in of if one.line.verdict and one.line.verdict.formula]
-        rows.append((effect, *answers, ", ".join(f"`{formula}`" for formula in formulas)))
+        formulas = [_formula(one.line.verdict) for one in of if one.line.verdict and one.line.verdict.formula]
+        rows.append((effect, *answers, ", ".join(formulas)))
     return _grid(("hidden", *LEVELS[:2], "formulas"), rows)
+
+
+def _formula(verdict: Verdict) -> str:
+    gaps = f"{verdict.gap_after:.2f} to {verdict.gap_with_formula:.2f}, {verdict.gap_floor:.2f}"
+    return f"`{verdict.formula}` ({gaps})"
 
 
 def _makes(found: Sequence[Judged]) -> str:

@@ -283,6 +283,12 @@ def test_page_tells_why_a_good_recording_was_refused() -> None:
     assert "shuffled" not in told
 
 
+def test_page_tells_how_far_a_formula_closes_the_gap() -> None:
+    said = Verdict(verdict="unknown", formula="drift += 1", gap_after=2, gap_with_formula=0.5, gap_floor=0.25)
+    text = page(GRID, [Line(case="unlisted/root_drift/medium/0", verdict=said)], REPORTED_FROM)
+    assert "| root_drift |  | unknown | `drift += 1` (2.00 to 0.50, 0.25) |" in text
+
+
 def test_confusion_matrix_counts_answers() -> None:
     case = named(FLICKER)
     text = page(GRID, [answered(case, "latency"), answered(named("nulls/0"), verdict="none")], REPORTED_FROM)
