@@ -11,7 +11,8 @@ from .search import AS_GOOD, Step, step_of
 from .trial import Trial
 
 POWERS = (-2.0, -1.0, -0.5, 0.0, 0.5, 1.0)
-STEEP = 2.0  # growth over the image, relative
+STEEP = 8.0  # growth over the image, relative to the drift in its middle: nearly none there
+AT_EDGES = (0.25, 2.0)  # such drifts, in units of the leak: what a slope does to pixels grows as its square
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,8 +37,9 @@ def forms(parameters: Parameters) -> tuple[Candidate, ...]:
     sigma = parameters.photon_noise.k3 * 128**0.5 / 148 + parameters.leak_noise.k6
     both = ((leak,), (-leak,))
     drifts = [Candidate("residual_drift", ("per_us",), both, {"power": power}) for power in POWERS]
+    edges = tuple((way * edge * leak / STEEP,) for edge in AT_EDGES for way in (1, -1))
     slopes = [
-        Candidate("residual_drift", ("per_us",), both, {"power": 0.0, name: STEEP})
+        Candidate("residual_drift", ("per_us",), edges, {"power": 0.0, name: STEEP})
         for name in ("across", "down")
     ]
     noises = [

@@ -94,6 +94,21 @@ def test_forms_of_the_open_route_are_drifts_and_noises() -> None:
     assert {one.effect for one in forms(Parameters.of("paper"))} == {"residual_drift", "residual_noise"}
 
 
+@pytest.mark.parametrize("axis", ["across", "down"])
+def test_slopes_over_the_image_are_tried_below_and_above_the_leak_with_next_to_no_drift_in_the_middle(
+    axis: str,
+) -> None:
+    start = Parameters.of("paper")
+    leak = start.junction_leak.k4_per_us + 128 * start.parasitic_photocurrent.k5_per_dn_us
+    (slope,) = (one for one in forms(start) if axis in one.others)
+    found = [slope.on(start, size).residual_drift for size in slope.sizes]
+    edges = [one.per_us * getattr(one, axis) / leak for one in found]
+    assert (
+        min(edges) < -1 < max(e for e in edges if e < 0) < 0 < min(e for e in edges if e > 0) < 1 < max(edges)
+    )
+    assert all(abs(one.per_us) < 0.3 * leak for one in found)
+
+
 def test_a_leak_that_a_camera_file_does_not_have_can_be_found() -> None:
     dry = Parameters.of("paper").changed({"junction_leak": {"k4_per_us": 0}})
     low, high = (Model(dry).parameters([0, 0, 0, log, 0, 0]).junction_leak.k4_per_us for log in (0, 2))
