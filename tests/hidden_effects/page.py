@@ -43,8 +43,8 @@ Named of how many, by level; median of the share of the removable held-out gap t
 size found over the hidden one, where named."""
 _UNLISTED = """\
 The formula is that of the generic term which the diagnosis added, where it did, with the gap on held-out data
-before and after it, and the floor; "unknown" stays the verdict. The names are those
-of `tests/generator/unlisted.py`."""
+before and after it, and the floor; "unknown" stays the verdict. The names are those of
+`tests/generator/unlisted.py`."""
 _MAKES = """\
 The pixels of ESIM and v2e as their papers have them, on scenes of the generator; the camera file has their
 thresholds and nothing else. Gaps are on held-out data."""
@@ -126,7 +126,8 @@ def _unlisted(found: Sequence[Judged]) -> str:
         answers = [
             ", ".join(_answered(one) for one in of if one.case.effects[0][1] == level) for level in LEVELS[:2]
         ]
-        formulas = [_formula(one.line.verdict) for one in of if one.line.verdict and one.line.verdict.formula]
+        verdicts = [one.line.verdict for one in of if one.line.verdict]
+        formulas = [_formula(one) for one in verdicts if one.gap_with_formula is not None]
         rows.append((effect, *answers, ", ".join(formulas)))
     return _grid(("hidden", *LEVELS[:2], "formulas"), rows)
 

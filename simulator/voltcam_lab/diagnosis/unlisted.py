@@ -12,7 +12,7 @@ from .trial import Trial
 
 POWERS = (-2.0, -1.0, -0.5, 0.0, 0.5, 1.0)
 STEEP = 8.0  # growth over the image, relative to the drift in its middle: nearly none there
-AT_EDGES = (0.25, 2.0)  # such drifts, in units of the leak: what a slope does to pixels grows as its square
+AT_EDGES = (0.25, 2.0)  # in units of the leak, where such a drift ends; how pixels differ grows as its square
 
 
 @dataclass(frozen=True, eq=False)

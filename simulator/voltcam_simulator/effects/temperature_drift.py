@@ -10,8 +10,7 @@ COLDEST_C, HOTTEST_C = -40.0, 125.0
 
 
 class TemperatureDrift(Effect):
-    """temperature_c + rate t + amplitude sin(2 pi t/period), t from the first frame, or from when it is set
-    to this while the camera runs."""
+    """temperature_c + rate t + amplitude sin(2 pi t/period), t from when it is set, or the first frame."""
 
     signature: ClassVar[str] = "the rate of ON events at rest rises or falls over minutes, OFF does not"
 
