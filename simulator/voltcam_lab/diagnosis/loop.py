@@ -69,9 +69,13 @@ def diagnose(
     report(_sentence(step))
     steps: list[Step] = [step]
     found: list[Found] = []
+    nameless: Step | None = None
     while len(found) < DEEPEST and (trials := promising(step)):
         chain = _explained(rig, data, candidates, [*steps], trials[0], report)
-        if chain is None or _has_no_name(rig, data, step, chain[-1][1], report):
+        if chain is None:
+            break
+        nameless = _nameless(rig, data, step, chain, report)
+        if nameless is not None:
             break
         for one, after in chain:
             found.append(one)
@@ -85,19 +89,24 @@ def diagnose(
     if kept:
         sure = precise(rig, step.model, step.screen.spread, data)
         model, covariance = sure.model, sure.covariance
-    residual = _residual(rig, data, step, report) if step.excess > OPEN else None
+    residual = _residual(rig, data, step, nameless, report) if step.excess > OPEN else None
     if residual is not None:
         model = residual.model
     return Diagnosis(verdict, tuple(kept), model, tuple(steps), covariance, residual)
 
 
-def _has_no_name(rig: Rig, data: Values, before: Step, after: Step, report: Report) -> bool:
-    """Whether a drift or noise of no name is nearer than effects that explain a gap but leave some of it."""
+def _nameless(
+    rig: Rig, data: Values, before: Step, chain: Sequence[tuple[Found, Step]], report: Report
+) -> Step | None:
+    """The step at which a drift or noise of no name is nearer than effects that explain a gap but leave
+    some of it; None where none is."""
+    last, after = chain[-1]
     if after.excess <= UNNAMED:
-        return False
+        return None
     report("Not all is explained: would a drift or a noise that nobody has a name for explain more?")
-    proven = promising(residual_step(rig, before.model, data))
-    return bool(proven) and nearer(before, after, proven[0])
+    opened = residual_step(rig, before.model, data)
+    proven = promising(opened)
+    return opened if proven and nearer(before, proven[0], last.trial) else None
 
 
 def _drop_needless(
@@ -122,13 +131,14 @@ def _drop_needless(
             report(_sentence(steps[-1]))
 
 
-def _residual(rig: Rig, data: Values, step: Step, report: Report) -> Residual | None:
+def _residual(rig: Rig, data: Values, step: Step, nameless: Step | None, report: Report) -> Residual | None:
     report("No listed effect explains what is left: looking for a drift or a noise that does.")
-    open_step = residual_step(rig, step.model, data)
-    proven = promising(open_step)
+    if nameless is None or nameless.model is not step.model:
+        nameless = residual_step(rig, step.model, data)
+    proven = promising(nameless)
     if not proven:
         return None
-    residual = residual_of(open_step, proven[0])
+    residual = residual_of(nameless, proven[0])
     report(f"It is best said as {residual.formula}.")
     return residual
 

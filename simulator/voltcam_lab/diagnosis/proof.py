@@ -74,9 +74,9 @@ def rivals_of(step: Step, best: Trial) -> tuple[str, ...]:
     return tuple(dict.fromkeys(effect for effect in close if effect != best.candidate.effect))
 
 
-def nearer(before: Step, after: Step, trial: Trial) -> bool:
-    """Whether a trial is nearer to the data than what was added, by more than chance lets one tell."""
-    spread = before.screen.spread
-    gained = flat(spread.mean).size * (after.training - trial.training)
-    distance = float(np.linalg.norm(flat((trial.mean - after.screen.spread.mean) / spread.lenient)))
+def nearer(step: Step, trial: Trial, added: Trial) -> bool:
+    """Whether a trial at a step is nearer to the data than the last of what was added from there, by more
+    than chance lets one tell; both as fitted by simulation."""
+    gained = flat(trial.mean).size * (added.training - trial.training)
+    distance = float(np.linalg.norm(flat((trial.mean - added.mean) / step.screen.spread.lenient)))
     return gained > AS_GOOD + DOUBT * distance

@@ -12,7 +12,7 @@ from .trial import Trial
 
 POWERS = (-2.0, -1.0, -0.5, 0.0, 0.5, 1.0)
 STEEP = 8.0  # growth over the image, relative to the drift in its middle: nearly none there
-AT_EDGES = (0.25, 2.0)  # in units of the leak, where such a drift ends; how pixels differ grows as its square
+LEAKS = (0.25, 2.0)  # drifts; those over the image end there. What they do is not in proportion to their size
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,9 +35,12 @@ def forms(parameters: Parameters) -> tuple[Candidate, ...]:
     is there already."""
     leak = parameters.junction_leak.k4_per_us + 128 * parameters.parasitic_photocurrent.k5_per_dn_us
     sigma = parameters.photon_noise.k3 * 128**0.5 / 148 + parameters.leak_noise.k6
-    both = ((leak,), (-leak,))
-    drifts = [Candidate("residual_drift", ("per_us",), both, {"power": power}) for power in POWERS]
-    edges = tuple((way * edge * leak / STEEP,) for edge in AT_EDGES for way in (1, -1))
+    sizes = [way * size * leak for size in LEAKS for way in (1, -1)]
+    drifts = [
+        Candidate("residual_drift", ("per_us",), tuple((size,) for size in sizes), {"power": power})
+        for power in POWERS
+    ]
+    edges = tuple((size / STEEP,) for size in sizes)
     slopes = [
         Candidate("residual_drift", ("per_us",), edges, {"power": 0.0, name: STEEP})
         for name in ("across", "down")

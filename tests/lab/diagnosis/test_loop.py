@@ -87,23 +87,23 @@ def test_an_effect_that_leaves_a_plain_gap_is_named_only_if_it_removes_nine_tent
     assert found.verdict == verdict
 
 
-@pytest.mark.parametrize(("said_as_drift", "verdict"), [(False, "effects"), (True, "unknown")])
+@pytest.mark.parametrize(("of_the_rest", "verdict"), [(0, "effects"), (1, "unknown")])
 def test_an_effect_is_not_named_where_a_drift_without_a_name_explains_the_rest_too(
-    said_as_drift: bool, verdict: str
+    of_the_rest: float, verdict: str
 ) -> None:
-    """A dead time leaves a fifteenth of the gap; there may be a drift that leaves nothing of it."""
+    """A dead time leaves a fifteenth of the gap; a drift leaves as much, or nothing of it."""
     leak = START.junction_leak.k4_per_us + 128 * START.parasitic_photocurrent.k5_per_dn_us
 
     def drifting(parameters: Parameters) -> Values:
-        amount = said_as_drift * parameters.residual_drift.per_us / leak
-        return response(parameters) + amount * (9 * PATTERNS[6] + 2 * PATTERNS[10])
+        amount = parameters.residual_drift.per_us / leak
+        return response(parameters) + amount * (9 * PATTERNS[6] + of_the_rest * 2 * PATTERNS[10])
 
     rig = MadeRig(drifting)
     data = response(BASE) + 9 * PATTERNS[6] + 2 * PATTERNS[10] + rig.noise(4711)
     found = diagnose(rig, data, Model(START), CATALOGUE, lambda _: None)
     assert found.verdict == verdict
-    assert [each.effect for each in found.found] == ([] if said_as_drift else ["refractory_period"])
-    assert not said_as_drift or (found.residual and found.residual.formula.startswith("drift"))
+    assert [each.effect for each in found.found] == ([] if of_the_rest else ["refractory_period"])
+    assert not of_the_rest or (found.residual and found.residual.formula.startswith("drift"))
 
 
 def test_what_held_out_data_do_not_confirm_is_not_named() -> None:
