@@ -1,5 +1,6 @@
 """An effect tried: fitted to the data by simulation, and how much of the gap it explains."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -61,12 +62,9 @@ class Bench:
         base = np.array(model.shift) + np.clip(amounts[:-1], -0.5, 0.5)
         starts = [replace(model, shift=tuple(base.tolist())).with_effect(one.candidate, size)]
         if gap(z) > LARGE:
-            sizes = [one.candidate.scaled(each, more) for each in one.candidate.sizes for more in (1, 2.5)]
-            starts += [from_file(model).with_effect(one.candidate, each) for each in (size, *sizes)]
+            starts += [from_file(model).with_effect(one.candidate, size), *self._from_file(one.candidate)]
             starts += [self._followed(one, z, amount) for amount in AMOUNTS]
-        means = self.rig.means([start.parameters() for start in starts], FITTING)
-        nearest = int(np.argmin([gap(flat((self.data - mean) / v)) for mean in means]))
-        return self.judged(one.candidate, starts[nearest], gain)
+        return self.judged(one.candidate, self._nearest(starts), gain)
 
     def _followed(self, one: Signature, z: NDArray[np.float64], amount: float) -> Model:
         """The model with so much of a signature, its own parameters where they leave the least loss then."""
@@ -98,16 +96,29 @@ class Bench:
         return Trial(candidate, model, mean, gain, training, held_out, gained, confirmed)
 
     def anew(self, trial: Trial) -> Trial:
-        """The trial, or the effect fitted from the size nearest to it and the base without it, if that is
-        better: either may stop in a valley of its own."""
+        """The trial, or the effect fitted from the size nearest to it and the base without it, or from the
+        camera file, if that is better: any may stop in a valley of its own."""
         if trial.training <= self.at_chance:
             return trial
-        return max(trial, self.judged(trial.candidate, self._start(trial), trial.gain), key=_gained)
+        starts = (self._start(trial), self._nearest(self._from_file(trial.candidate)))
+        others = [self.judged(trial.candidate, start, trial.gain) for start in starts]
+        return max(trial, *others, key=_gained)
 
     def settled(self, best: Trial) -> Trial:
         """The trial fitted to the end: from where it is, and anew."""
         starts = (best.model, self._start(best))[: 1 if best.training <= self.at_chance else 2]
         return max((self.judged(best.candidate, one, best.gain, rounds=3) for one in starts), key=_gained)
+
+    def _from_file(self, candidate: Candidate) -> list[Model]:
+        """The effect at several sizes, base parameters as in the camera file."""
+        sizes = [candidate.scaled(each, more) for each in candidate.sizes for more in (1, 2.5)]
+        return [from_file(self.screen.model).with_effect(candidate, size) for size in sizes]
+
+    def _nearest(self, starts: Sequence[Model]) -> Model:
+        """That which leaves the least gap as it is."""
+        means = self.rig.means([start.parameters() for start in starts], FITTING)
+        z = [flat((self.data - mean) / self.screen.spread.lenient) for mean in means]
+        return starts[int(np.argmin([gap(one) for one in z]))]
 
     def _start(self, trial: Trial) -> Model:
         one, found = trial.candidate, trial.model.sizes()[-1]

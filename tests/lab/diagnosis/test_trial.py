@@ -6,11 +6,11 @@ import pytest
 from voltcam_lab.battery import FLOORS, PARTS
 from voltcam_lab.diagnosis.model import Model
 from voltcam_lab.diagnosis.rig import Values
-from voltcam_lab.diagnosis.search import base_fitted
+from voltcam_lab.diagnosis.search import base_fitted, step_of
 from voltcam_lab.diagnosis.unlisted import residual_step
 from voltcam_simulator import Parameters
 
-from .made_rig import PATTERNS, START, MadeRig, logs
+from .made_rig import CATALOGUE, MISMATCH, PATTERNS, START, MadeRig, logs
 
 LEAK_PER_US = START.junction_leak.k4_per_us + 128 * START.parasitic_photocurrent.k5_per_dn_us
 LIGHT = np.geomspace(0.05, 2, len(FLOORS))
@@ -37,3 +37,24 @@ def test_a_drift_that_the_leaks_have_taken_up_is_found_with_its_size_and_power()
     assert len({one.candidate.others["power"] for one in trials}) > 1, "each power is a form of its own"
     assert best.candidate.others["power"] == 0.5
     assert best.model.sizes()[0][0] == pytest.approx(hidden_per_us, rel=0.2)
+
+
+def barred(parameters: Parameters) -> Values:
+    """A base parameter takes an effect's place; on the way back to the camera file the effect turns round."""
+    first, *others = logs(parameters)
+    amount = (
+        10 * parameters.threshold_mismatch.sigma * np.interp(first, [0.1, 0.3, 0.5, 0.7], [1, -3, -3, 0.3])
+    )
+    seen = np.tensordot([10 * first, *(10 * np.array(others))], PATTERNS[:6], 1)
+    return 100 + seen + amount * (10 * PATTERNS[0] + PATTERNS[6])
+
+
+def test_an_effect_is_fitted_from_the_camera_file_too_where_the_base_has_gone_astray() -> None:
+    rig = MadeRig(barred)
+    data = barred(MISMATCH.on(START, (0.1,))) + rig.noise(4711)
+    base = base_fitted(rig, Model(START), data)
+    assert base.shift[0] > 0.7, "it has gone astray"
+    best = step_of(rig, base, data, CATALOGUE).trials[0]
+    assert best.candidate == MISMATCH
+    assert best.model.sizes()[0][0] == pytest.approx(0.1, rel=0.2)
+    assert abs(best.model.shift[0]) < 0.1
