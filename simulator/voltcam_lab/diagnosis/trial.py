@@ -96,17 +96,18 @@ class Bench:
         return Trial(candidate, model, mean, gain, training, held_out, gained, confirmed)
 
     def anew(self, trial: Trial) -> Trial:
-        """The trial, or the effect fitted from the size nearest to it and the base without it, or from the
-        camera file, if that is better: any may stop in a valley of its own."""
+        """The trial, or the effect fitted from the size nearest to it and the base without it, if that is
+        better: either may stop in a valley of its own."""
         if trial.training <= self.at_chance:
             return trial
-        starts = (self._start(trial), self._nearest(self._from_file(trial.candidate)))
-        others = [self.judged(trial.candidate, start, trial.gain) for start in starts]
-        return max(trial, *others, key=_gained)
+        return max(trial, self.judged(trial.candidate, self._start(trial), trial.gain), key=_gained)
 
     def settled(self, best: Trial) -> Trial:
-        """The trial fitted to the end: from where it is, and anew."""
-        starts = (best.model, self._start(best))[: 1 if best.training <= self.at_chance else 2]
+        """The trial fitted to the end: from where it is, anew, and from the camera file, as the base may have
+        gone far astray for want of the effect."""
+        starts = [best.model]
+        if best.training > self.at_chance:
+            starts += [self._start(best), self._nearest(self._from_file(best.candidate))]
         return max((self.judged(best.candidate, one, best.gain, rounds=3) for one in starts), key=_gained)
 
     def _from_file(self, candidate: Candidate) -> list[Model]:
