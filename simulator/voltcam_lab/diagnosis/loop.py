@@ -131,14 +131,14 @@ def _drop_needless(
             report(_sentence(steps[-1]))
 
 
-def _residual(rig: Rig, data: Values, step: Step, nameless: Step | None, report: Report) -> Residual | None:
+def _residual(rig: Rig, data: Values, step: Step, opened: Step | None, report: Report) -> Residual | None:
     report("No listed effect explains what is left: looking for a drift or a noise that does.")
-    if nameless is None or nameless.model is not step.model:
-        nameless = residual_step(rig, step.model, data)
-    proven = promising(nameless)
+    if opened is None or opened.model is not step.model:
+        opened = residual_step(rig, step.model, data)
+    proven = promising(opened)
     if not proven:
         return None
-    residual = residual_of(nameless, proven[0])
+    residual = residual_of(opened, proven[0])
     report(f"It is best said as {residual.formula}.")
     return residual
 

@@ -12,7 +12,7 @@ from .trial import Trial
 
 POWERS = (-2.0, -1.0, -0.5, 0.0, 0.5, 1.0)
 STEEP = 8.0  # growth over the image, relative to the drift in its middle: nearly none there
-LEAKS = (0.25, 2.0)  # drifts; those over the image end there. What they do is not in proportion to their size
+LEAKS = (0.25, 2.0)  # drifts in units of the leak, at the edge of those over the image; effects do not scale
 
 
 @dataclass(frozen=True, eq=False)
