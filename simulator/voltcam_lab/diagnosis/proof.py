@@ -13,6 +13,7 @@ LEAST_SHARE = 0.3  # the same, of an effect that removes SHARE of it where it ch
 CLOSING_SHARE = 0.6  # the same, of an effect that leaves next to nothing; little is soon closed by half
 PLAIN = 1.0  # gap over its floor, about four floors: an effect of another form leaves less
 PLAIN_SHARE = 0.9  # instead of SHARE where more than PLAIN is left: what has no name may look like an effect
+DISTINCT_SHARE, OTHERS_SHARE = 0.75, 0.25  # the same, where no other effect removes more than the second
 OF_ALL, OF_REST = 0.9, 0.5  # the same, of several together, and of the last of these
 MOVED = 2.0  # of the spread: what an effect changes
 HELD_OUT_SHARE = 0.3  # of the training gain, by statistic, that held-out data must confirm
@@ -21,8 +22,10 @@ UNNAMED = 0.15  # gap over its floor: effects that leave more are held against f
 
 def explains(before: Step, after: Step, first: Step) -> bool:
     """Whether what was added closes the gap, or so much of it that it is there whatever else is: nearly all;
-    or a part that leaves little, and nearly nothing in the statistics that it moves, of which some hold a
-    wrong effect back. Effects found since the first step may have left something, too."""
+    or most of it at the first step, where nothing else has anything like it: what stands in for something
+    without a name is seldom alone; or a part that leaves little, and nearly nothing in the statistics that it
+    moves, of which some hold a wrong effect back. Effects found since the first step may have left something,
+    too."""
     closed = TOLERANCE + LEFT_BEHIND * (first.excess - before.excess)
     removed = 1 - after.excess / max(before.excess, 1e-9)
     moved = np.abs(after.screen.spread.mean - before.screen.spread.mean) / before.screen.spread.v
@@ -32,7 +35,15 @@ def explains(before: Step, after: Step, first: Step) -> bool:
     alone = part and was > 0 and left <= (1 - SHARE) * was
     least = CLOSING_SHARE if before is first else LEAST_SHARE
     nearly_all = SHARE if after.excess <= PLAIN else PLAIN_SHARE
-    return (after.excess <= closed and removed >= least) or removed >= nearly_all or alone
+    distinct = before is first and removed >= DISTINCT_SHARE and _others_remove(before, after) < OTHERS_SHARE
+    return (after.excess <= closed and removed >= least) or removed >= nearly_all or alone or distinct
+
+
+def _others_remove(before: Step, after: Step) -> float:
+    """The largest share of the gap that any effect but the added one has removed in its trial."""
+    added = after.model.accepted[-1][0].effect
+    left = [trial.training for trial in before.trials if trial.candidate.effect != added]
+    return (before.training - min(left, default=before.training)) / max(before.excess, 1e-9)
 
 
 def explain_together(begin: Step, before: Step, after: Step) -> bool:

@@ -78,13 +78,25 @@ def test_an_effect_that_closes_a_small_gap_by_half_is_not_named(beside: float, v
     assert (len(found.found) == 1) == (verdict == "effects")
 
 
-@pytest.mark.parametrize(("beside", "verdict"), [(2.0, "effects"), (3.0, "unknown")])
-def test_an_effect_that_leaves_a_plain_gap_is_named_only_if_it_removes_nine_tenths(
-    beside: float, verdict: str
+@pytest.mark.parametrize(
+    ("beside", "alike", "verdict"),
+    [(3.0, False, "effects"), (6.0, False, "unknown"), (2.0, True, "effects"), (3.0, True, "unknown")],
+)
+def test_an_effect_that_leaves_a_plain_gap_is_named_if_nothing_is_like_it_or_if_it_removes_nine_tenths(
+    beside: float, alike: bool, verdict: str
 ) -> None:
-    """A fifteenth of the gap is left, or a seventh: both are plain to see."""
-    found = asked(response(DEAD_TIME.on(BASE, (9000.0,))) + beside * PATTERNS[10])
+    """A fifteenth of the gap is left, a seventh, or a third: all are plain to see."""
+
+    def seen(parameters: Parameters) -> Values:
+        other = 10 * parameters.reset_noise.sigma
+        return response(parameters) + alike * other * (PATTERNS[6] + 0.7 * PATTERNS[9])
+
+    rig = MadeRig(seen)
+    data = seen(DEAD_TIME.on(BASE, (9000.0,))) + beside * PATTERNS[10] + rig.noise(4711)
+    other = Candidate("reset_noise", ("sigma",), ((0.1,),))
+    found = diagnose(rig, data, Model(START), (*CATALOGUE, other), lambda _: None)
     assert found.verdict == verdict
+    assert [one.effect for one in found.found] == (["refractory_period"] if verdict == "effects" else [])
 
 
 @pytest.mark.parametrize(("of_the_rest", "verdict"), [(0, "effects"), (1, "unknown")])
