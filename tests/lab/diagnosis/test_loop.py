@@ -85,7 +85,7 @@ def test_an_effect_that_closes_a_small_gap_by_half_is_not_named(beside: float, v
 def test_an_effect_that_leaves_a_plain_gap_is_named_if_nothing_is_like_it_or_if_it_removes_nine_tenths(
     beside: float, alike: bool, verdict: str
 ) -> None:
-    """A fifteenth of the gap is left, a seventh, or a third: all are plain to see."""
+    """Less than a tenth of the gap is left, more, or more than a quarter: all are plain to see."""
 
     def seen(parameters: Parameters) -> Values:
         other = 10 * parameters.reset_noise.sigma
