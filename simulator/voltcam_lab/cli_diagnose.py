@@ -3,6 +3,8 @@
 import argparse
 import sys
 from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +13,12 @@ from tqdm import tqdm
 from voltcam_simulator import Camera, camera_names
 
 from .diagnosis.conclude import camera_of, result_of
+from .diagnosis.excess import own_effects, without_excess
 from .diagnosis.identify import identify, short
-from .diagnosis.loop import diagnose
+from .diagnosis.loop import Report, diagnose
 from .diagnosis.report import page_of
 from .diagnosis.session import MOST_SECONDS, DiagnosisError, Session, session_of
+from .diagnosis.workers import cores
 from .page import write
 from .recordings import load
 
@@ -61,14 +65,22 @@ def run(arguments: argparse.Namespace) -> int:
     recording = load(arguments.recording)
     name = arguments.recording.absolute().name
     runs = arguments.out / ".cache"
+    ready = partial(
+        session_of, recording, folder=runs, name=name, seed=arguments.seed, seconds=arguments.seconds,
+        processes=cores(),
+    )  # fmt: skip
     try:
-        session = session_of(
-            recording, camera, runs, name=name, seed=arguments.seed, seconds=arguments.seconds
-        )
-        del recording
+        session = ready(camera)
         with tqdm(total=1, disable=None, leave=False, bar_format=BAR) as bar:
+            say = partial(_say, bar=bar)
+            say(f"Looking at {session.looked_at()}.")
             _follow(session, bar)
-            _diagnose(session, arguments.out, bar)
+            if bare := without_excess(session, say):
+                session.rig.end()
+                session = replace(ready(bare), taken_out=own_effects(session))
+                say(f"Looking at {session.looked_at()}.")
+                _follow(session, bar)
+            _diagnose(session, arguments.out, say)
     except KeyboardInterrupt:
         sys.stderr.write(
             f"voltcam: stopped; what was done is kept in {runs}: the same command goes on from there\n"
@@ -78,14 +90,13 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _diagnose(session: Session, out: Path, bar: "tqdm[Any]") -> None:
-    def say(text: str) -> None:
-        tqdm.write(text, sys.stdout)
-        sys.stdout.flush()
-        bar.set_description_str(text.strip().partition("\n")[0].partition(".")[0][:34])
+def _say(text: str, bar: "tqdm[Any]") -> None:
+    tqdm.write(text, sys.stdout)
+    sys.stdout.flush()
+    bar.set_description_str(text.strip().partition("\n")[0].partition(".")[0][:34])
 
-    say(f"Looking at {session.looked_at()}.")
-    bar.set_description_str("What this recording can tell")
+
+def _diagnose(session: Session, out: Path, say: Report) -> None:
     told = identify(session.rig, session.model, session.candidates)
     say(told.text() + "\n")
     diagnosis = diagnose(session.rig, session.data, session.model, session.candidates, say)

@@ -72,7 +72,7 @@ class Verdict(BaseModel):
 
 
 def ask(question: Question) -> Verdict:
-    """The diagnosis' verdict, on one thread."""
+    """The diagnosis' verdict."""
     camera = Camera(name=question.camera, width=question.width, height=question.height)
     camera = camera.model_copy(update={"parameters": _published(question.camera)})
     recording = Recording(
@@ -83,7 +83,7 @@ def ask(question: Question) -> Verdict:
             session = session_of(recording, camera, Path(folder))
     except DiagnosisError as error:
         return Verdict(verdict="refused", reason=str(error))
-    rig = Rig(session.rig.setting, threads=1)
+    rig = Rig(session.rig.setting)
     candidates = _sabotaged(session.candidates, question)
     diagnosis = diagnose(rig, session.data, session.model, candidates, lambda _: None)
     return _verdict(diagnosis)

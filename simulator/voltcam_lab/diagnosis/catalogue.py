@@ -2,8 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import log
+from math import inf, log, nextafter
 from typing import Any
+
+from pydantic.fields import FieldInfo
 
 from voltcam_simulator import Parameters
 from voltcam_simulator.effects.temperature_drift import COLDEST_C, HOTTEST_C
@@ -21,6 +23,24 @@ SCALED = (
 TURNS = 0.25  # of a lamp, for a logarithm of 1: a step of 0.15 is 14 degrees
 RATIOS = ("ratio", "gamma_exponent")
 """Sizes that are 1 where there is no effect."""
+
+
+def limited(parameters: Parameters, changes: Mapping[str, Mapping[str, Any]]) -> Parameters:
+    """The parameters changed, numbers kept inside the registry's limits: a fit knows of none."""
+    return parameters.changed(
+        {
+            effect: {name: _limited(fields[name], value) for name, value in values.items()}
+            for effect, values in changes.items()
+            for fields in [type(getattr(parameters, effect)).model_fields]
+        }
+    )
+
+
+def _limited(parameter: FieldInfo, value: Any) -> Any:
+    for limit in parameter.metadata:
+        value = max(value, getattr(limit, "ge", -inf), nextafter(getattr(limit, "gt", -inf), inf))
+        value = min(value, getattr(limit, "le", inf))
+    return round(value) if parameter.annotation is int else value
 
 
 @dataclass(frozen=True)
@@ -42,10 +62,17 @@ class Candidate:
             return (size[0] ** amount, *size[1:])
         return (size[0] / amount if self.names[0] in WEAKER else size[0] * amount, *size[1:])
 
+    def times(self, size: tuple[float, ...]) -> float:
+        """How many times as strong as the strongest that it is looked for at."""
+        here, there = size[0], [one[0] for one in self.sizes]
+        if self.names[0] in RATIOS:
+            return min(log(here) / log(one) for one in there if log(one) * log(here) >= 0)
+        return min(one / here if self.names[0] in WEAKER else here / one for one in there if one * here > 0)
+
     def on(self, parameters: Parameters, size: tuple[float, ...]) -> Parameters:
         """The parameters with the effect at a size (one number for each name)."""
         values = dict(zip(self.names, size, strict=True))
-        return parameters.changed({self.effect: {**self.others, **values}})
+        return limited(parameters, {self.effect: {**self.others, **values}})
 
 
 @dataclass(frozen=True)
@@ -62,7 +89,7 @@ class Asymmetry(Candidate):
         changes = {"comparator": {"theta_on": now.theta_on * up, "theta_off": now.theta_off / up}}
         for effect, name in SCALED:
             changes[effect] = {name: getattr(getattr(parameters, effect), name) * up}
-        return parameters.changed(changes)
+        return limited(parameters, changes)
 
 
 @dataclass(frozen=True)
@@ -74,7 +101,7 @@ class Lamp(Candidate):
         """The parameters with flicker of a depth and phase."""
         turns = self.others["phase_turns"] + TURNS * log(size[1])
         there = {**self.others, "depth": size[0], "phase_turns": turns - round(turns)}
-        return parameters.changed({self.effect: there})
+        return limited(parameters, {self.effect: there})
 
 
 @dataclass(frozen=True)

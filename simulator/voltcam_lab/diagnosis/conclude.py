@@ -46,7 +46,7 @@ def result_of(session: Session, told: Identifiability, diagnosis: Diagnosis) -> 
     effects = [_effect(diagnosis, found) for found in diagnosis.found]
     return Result(
         verdict=diagnosis.verdict,
-        sentence=sentence(diagnosis, first, last),
+        sentence=_taken_out(session) + sentence(diagnosis, first, last),
         effects=effects,
         residual=_residual(diagnosis),
         where=_strata(ranked(first, session.data)),
@@ -69,7 +69,8 @@ def result_of(session: Session, told: Identifiability, diagnosis: Diagnosis) -> 
         settings=Settings(
             recording=session.name, camera=session.camera.name, looked_at=session.looked_at(),
             seconds=session.seconds, columns=session.columns.tolist(),
-            upsampling=str(session.rig.setting.scene.how), not_searched=list(session.left_out), alpha=ALPHA,
+            upsampling=str(session.rig.setting.scene.how), taken_out=list(session.taken_out),
+            not_searched=list(session.left_out), alpha=ALPHA,
         ),
     )  # fmt: skip
 
@@ -100,6 +101,13 @@ def sentence(diagnosis: Diagnosis, first: View, last: View) -> str:
         for one in diagnosis.steps[0].trials[:1]
     )
     return f"Something is missing, and nothing in the catalogue explains it: {gap}{chance}.{near}{form}"
+
+
+def _taken_out(session: Session) -> str:
+    if not session.taken_out:
+        return ""
+    names = ", ".join(map(in_words, session.taken_out))
+    return f"The recording is better explained without what the camera file has of {names}. "
 
 
 def in_words(effect: str) -> str:

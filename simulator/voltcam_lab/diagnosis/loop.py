@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from .catalogue import Candidate
 from .model import BASE, Model, flat
 from .precise import precise
-from .proof import UNNAMED, explain_together, explains, nearer, promising, rivals_of
+from .proof import UNNAMED, explain_together, explains, nearer, promising, rivals_of, standing
 from .refit import refitted
 from .rig import Rig, Values
 from .robust import gap
@@ -105,7 +105,7 @@ def _nameless(
         return None
     report("Not all is explained: would a drift or a noise that nobody has a name for explain more?")
     opened = residual_step(rig, before.model, data)
-    proven = promising(opened)
+    proven = standing(opened)
     return opened if proven and nearer(before, proven[0], last.trial) else None
 
 
@@ -135,7 +135,7 @@ def _residual(rig: Rig, data: Values, step: Step, opened: Step | None, report: R
     report("No listed effect explains what is left: looking for a drift or a noise that does.")
     if opened is None or opened.model is not step.model:
         opened = residual_step(rig, step.model, data)
-    proven = promising(opened)
+    proven = standing(opened)
     if not proven:
         return None
     residual = residual_of(opened, proven[0])

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from voltcam_simulator import Parameters
 
 from ..battery import FLOORS
-from .catalogue import Candidate
+from .catalogue import Candidate, limited
 from .lights import LIGHTS
 from .rig import Rig, Values
 
@@ -58,10 +58,10 @@ class Model:
         for (effect, name), log in zip(BASE, shift, strict=False):
             value = max(getattr(getattr(self.start, effect), name), LEAST.get(name, 0.0))
             changes.setdefault(effect, {})[name] = float(value * np.exp(log))
-        parameters = self.start.changed(changes)
+        parameters = limited(self.start, changes)
         moved = replace(self, shift=tuple(shift))
         for (candidate, _), size in zip(self.accepted, moved.sizes(), strict=True):
-            parameters = candidate.on(parameters, within(candidate, size))
+            parameters = candidate.on(parameters, size)
         return parameters
 
     def sizes(self) -> list[tuple[float, ...]]:
@@ -88,23 +88,6 @@ class Model:
             accepted=self.accepted[:index] + self.accepted[index + 1 :],
             shift=self.shift[:place] + self.shift[place + length :],
         )
-
-
-def within(candidate: Candidate, size: tuple[float, ...]) -> tuple[float, ...]:
-    """The size inside the registry's limits."""
-    fields = type(getattr(Parameters(), candidate.effect)).model_fields
-    kept = []
-    for name, value in zip(candidate.names, size, strict=True):
-        if name not in fields:  # a size of the candidate's own making
-            kept.append(value)
-            continue
-        low, high = -np.inf, np.inf
-        for limit in fields[name].metadata:
-            low = max(low, getattr(limit, "ge", -np.inf), getattr(limit, "gt", -np.inf))
-            high = min(high, getattr(limit, "le", np.inf))
-        clipped = float(np.clip(value, low, high))
-        kept.append(round(clipped) if fields[name].annotation is int else clipped)
-    return tuple(kept)
 
 
 @dataclass(frozen=True, eq=False)

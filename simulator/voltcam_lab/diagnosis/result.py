@@ -119,6 +119,9 @@ class Settings(_Record):
     seconds: float
     columns: list[int] = Field(description="of the sensor that were looked at")
     upsampling: str = Field(description="how light between frames was found")
+    taken_out: list[str] = Field(
+        description="effects of the camera file without which the recording is better explained"
+    )
     not_searched: list[str] = Field(description="effects that the camera file has already, or cannot show")
     alpha: float = Field(description="chance of a name where nothing is missing")
 

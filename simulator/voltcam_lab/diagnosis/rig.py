@@ -1,8 +1,6 @@
 """The test rig: the model run on a recording's scene, and what the battery sees of it."""
 
-import os
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property, lru_cache
 from itertools import groupby
 from typing import Any
@@ -18,6 +16,10 @@ from .lights import LIGHTS, light_behind
 Values = NDArray[np.float64]
 Events = NDArray[np.void]
 Image = tuple[NDArray[np.float32], int]
+Lights = tuple[NDArray[np.float32], list[int]]
+"""(images, H, W) DN and their times [us]."""
+Job = tuple[Parameters, tuple[int, ...], bool]
+"""What `Rig.run` is asked for."""
 
 LEAD_IN_US = 300_000  # for which a camera has been there before it records: light that flickers, queues
 LEAD_IN_PULSES = 60  # of the frame readout, if there are any: they have fired by then whom they can at once
@@ -35,19 +37,21 @@ class Rig:
     costs half as much: seeds come in batches of len(LIGHTS). Rows stay rows, for effects that scan them.
     """
 
-    def __init__(self, setting: Setting, threads: int | None = None) -> None:
+    def __init__(self, setting: Setting, lights: Lights | None = None) -> None:
         self.setting = setting
-        self._threads = threads or os.cpu_count() or 1
+        if lights is not None:
+            self.lights = lights
 
     @cached_property
     def _known(self) -> NDArray[np.bool_]:
         return self.setting.scene.trusted()
 
     @cached_property
-    def _lights(self) -> list[Image]:
+    def lights(self) -> Lights:
         """All versions of the light, side by side, each with a gutter on its right."""
         versions = [light_behind(self.setting.scene, version) for version in range(len(LIGHTS))]
-        return list(_moving(_side_by_side(images) for images in zip(*versions, strict=True)))
+        moving = list(_moving(_side_by_side(images) for images in zip(*versions, strict=True)))
+        return np.stack([image for image, _ in moving]), [t_us for _, t_us in moving]
 
     @cached_property
     def _run(self) -> Any:
@@ -92,23 +96,22 @@ class Rig:
         left = seed % len(LIGHTS) * (scene.width + GUTTER)
         columns = slice(left, left + copies * (scene.width + GUTTER) - GUTTER)
         simulator = Simulator(columns.stop - left, scene.height, parameters, seed=seed)
-        first_image, begin_us = self._lights[0]
-        simulator.advance(first_image[:, columns], begin_us - _lead_in_us(parameters))
-        found = [simulator.advance(image[:, columns], t_us) for image, t_us in self._lights]
-        last_image, end_us = self._lights[-1]
-        found.append(simulator.advance(last_image[:, columns], end_us + LEAD_OUT_US))
+        images, times_us = self.lights[0][:, :, columns], self.lights[1]
+        simulator.advance(images[0], times_us[0] - _lead_in_us(parameters))
+        found = [simulator.advance(image, t_us) for image, t_us in zip(images, times_us, strict=True)]
+        found.append(simulator.advance(images[-1], times_us[-1] + LEAD_OUT_US))
         as_bytes = np.concatenate([events.view(np.uint8) for events in found])  # numpy joins records slowly
         return as_bytes.view(EVENT)
 
     def runs(self, many: Sequence[Parameters], seeds: Sequence[int], apart: bool = False) -> list[Values]:
-        """Of each parameter set, (seeds, PARTS, n): all runs, on all cores."""
+        """Of each parameter set, (seeds, PARTS, n): all runs."""
         batches = _batches(seeds)
-        _ = self._lights  # before there are threads that would each make them
-        with ThreadPoolExecutor(self._threads) as pool:
-            jobs = [(parameters, batch) for parameters in many for batch in batches]
-            found: list[Values] = list(pool.map(lambda job: self._run(job[0], job[1], apart), jobs))
+        found = self._all([(parameters, batch, apart) for parameters in many for batch in batches])
         n = len(batches)
         return [np.concatenate(found[n * k : n * (k + 1)]) for k in range(len(many))]
+
+    def _all(self, jobs: Sequence[Job]) -> list[Values]:
+        return [self._run(*job) for job in jobs]
 
     def means(self, many: Sequence[Parameters], seeds: Sequence[int], apart: bool = False) -> list[Values]:
         """Of each parameter set, the mean over the seeds."""

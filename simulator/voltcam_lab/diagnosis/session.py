@@ -42,6 +42,7 @@ class Session:
 
     recording: of the sample only, x counted in `columns` (those of the sensor that it has). camera: as given,
     of the recording's size. left_out: effects that are in the camera file, or cannot show in the sample.
+    taken_out: effects that were in the file, without which the recording is better explained.
     """
 
     name: str
@@ -54,6 +55,7 @@ class Session:
     candidates: tuple[Candidate, ...]
     left_out: tuple[str, ...]
     seed: int
+    taken_out: tuple[str, ...] = ()
 
     @property
     def model(self) -> Model:
@@ -80,9 +82,10 @@ class Session:
 
 def session_of(
     recording: Recording, camera: Camera, folder: Path, *, name: str = "the recording", seed: int = 0,
-    seconds: float = MOST_SECONDS, most_samples: int = MOST_SAMPLES,
+    seconds: float = MOST_SECONDS, most_samples: int = MOST_SAMPLES, processes: int = 1,
 ) -> Session:  # fmt: skip
-    """Make a recording (as voltcam_lab.recordings.load gives it) ready; runs go to `folder`.
+    """Make a recording (as voltcam_lab.recordings.load gives it) ready; runs go to `folder`, made by
+    so many processes.
 
     Raises DiagnosisError where a diagnosis makes no sense.
     """
@@ -102,7 +105,7 @@ def session_of(
     if not len(part.events):
         raise DiagnosisError(f"{name} has no events while there are frames: are both on one clock?")
     setting = setting_of(scene, recording.frame_t_us, None, recording.exposure_us, camera.parameters)
-    rig = StoredRig(setting, folder, seed)
+    rig = StoredRig(setting, folder, seed, processes=processes)
     row_us = health["row readout"].numbers["us_per_row"]
     wanted: list[Candidate] = []
     left_out: list[Candidate] = []

@@ -3,6 +3,8 @@
 import hashlib
 import threading
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +13,8 @@ from voltcam_simulator import Parameters
 from voltcam_simulator.kernel import CACHE_FOLDER
 
 from ..battery import Setting
-from .rig import Events, Rig, Values
+from .rig import Events, Job, Rig, Values
+from .workers import Workers
 
 _SEEDS_APART = 1 << 20  # a multiple of the versions of light, which a seed's remainder chooses
 
@@ -22,22 +25,23 @@ Done = Callable[[int], None]
 class StoredRig(Rig):
     """A rig that keeps what it saw of each run in `folder`, and takes it from there when asked again.
 
-    batch(n): n runs begin; done(n): n of them have ended. Seeds of runs are moved by `seed`.
+    batch(n): n runs begin; done(n): n of them have ended. Seeds of runs are moved by `seed`. processes: more
+    than one are workers beside this one.
     """
 
     def __init__(
         self, setting: Setting, folder: Path, seed: int = 0, batch: Batch = lambda _: None,
-        done: Done = lambda _: None, threads: int | None = None,
+        done: Done = lambda _: None, processes: int = 1,
     ) -> None:  # fmt: skip
-        super().__init__(setting, threads)
-        self.batch, self.done = batch, done
+        super().__init__(setting)
+        self.batch, self.done, self._processes = batch, done, processes
         self._folder, self._seed = folder, seed
         self._digest = _digest(setting)
         folder.mkdir(parents=True, exist_ok=True)
 
     def events(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> list[Events]:
         """The events of each run of a batch."""
-        return super().events(parameters, [seed + _SEEDS_APART * self._seed for seed in seeds], apart)
+        return super().events(parameters, self._own(seeds), apart)
 
     def run(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> Values:
         """(seeds, PARTS, n) what the battery sees of a batch of runs, comparable."""
@@ -45,7 +49,12 @@ class StoredRig(Rig):
         path = self._folder / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.npy"
         values = _read(path)
         if values is None:
-            values = super().run(parameters, seeds, apart)
+            workers = self._workers
+            values = (
+                super().run(parameters, seeds, apart)
+                if workers is None
+                else workers.run(parameters, self._own(seeds), apart)
+            )
             partial = path.with_suffix(f".{threading.get_ident()}.partial")
             with partial.open("wb") as file:
                 np.save(file, values)
@@ -54,12 +63,31 @@ class StoredRig(Rig):
         return values
 
     def runs(self, many: Sequence[Parameters], seeds: Sequence[int], apart: bool = False) -> list[Values]:
-        """Of each parameter set, (seeds, PARTS, n): all runs, on all cores."""
+        """Of each parameter set, (seeds, PARTS, n): all runs."""
         self.batch(len(many) * len(seeds))
         return super().runs(many, seeds, apart)
 
+    @cached_property
+    def _workers(self) -> Workers | None:
+        return Workers(self, self._folder, self._processes) if self._processes > 1 else None
+
+    def _all(self, jobs: Sequence[Job]) -> list[Values]:
+        if self._workers is None:
+            return super()._all(jobs)
+        with ThreadPoolExecutor(self._processes) as pool:  # they wait for the workers
+            return list(pool.map(lambda job: self._run(*job), jobs))
+
+    def _own(self, seeds: Sequence[int]) -> list[int]:
+        return [seed + _SEEDS_APART * self._seed for seed in seeds]
+
+    def end(self) -> None:
+        """Let the workers go; what is on disk stays."""
+        if self._workers is not None:
+            self._workers.end()
+
     def forget(self) -> None:
-        """Remove what is on disk."""
+        """Let the workers go, and remove what is on disk."""
+        self.end()
         for path in self._folder.glob("*"):
             path.unlink(missing_ok=True)
         self._folder.rmdir()

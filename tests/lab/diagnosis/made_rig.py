@@ -42,8 +42,7 @@ class MadeRig(Rig):
     """Sees `response` and noise of its own, as large as the floors."""
 
     def __init__(self, response: Callable[[Parameters], Values] = response) -> None:
-        self._threads, self._response = 1, response
-        self.__dict__["_lights"] = []
+        self._response = response
 
     def run(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> Values:
         seen = self._response(parameters)

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from voltcam_lab.diagnosis.catalogue import SCALED, Asymmetry, Clues, Lamp, Warming, catalogue
-from voltcam_lab.diagnosis.model import Model, within
+from voltcam_lab.diagnosis.catalogue import SCALED, Asymmetry, Candidate, Clues, Lamp, Warming, catalogue
+from voltcam_lab.diagnosis.model import Model
 from voltcam_lab.diagnosis.unlisted import forms
 from voltcam_simulator import Parameters
 from voltcam_simulator.effects import EFFECTS
@@ -74,10 +74,35 @@ def test_a_warming_begins_and_ends_where_a_camera_may_be() -> None:
 
 
 def test_sizes_stay_inside_the_limits_of_the_registry() -> None:
+    paper = Parameters.of("paper")
     dead = next(one for one in catalogue(CLUES) if one.effect == "dead_pixels")
-    assert within(dead, (7.0,)) == (1.0,)
+    assert dead.on(paper, (7.0,)).dead_pixels.fraction == 1
     tick = next(one for one in catalogue(CLUES) if one.effect == "timestamp_quantum")
-    assert within(tick, (3.4,)) == (3,)
+    assert tick.on(paper, (3.4,)).timestamp_quantum.quantum_us == 3
+
+
+@pytest.mark.parametrize("log", [-30.0, 20.0])
+@pytest.mark.parametrize("candidate", catalogue(CLUES), ids=lambda one: one.effect)
+def test_a_fit_that_goes_astray_meets_the_limits_and_not_an_error(candidate: Candidate, log: float) -> None:
+    """Of a real recording, with a published camera file, k2 went beyond 10 000 DN."""
+    model = Model(Parameters.of("paper")).with_effect(candidate, candidate.sizes[0])
+    parameters = model.parameters([log] * len(model.shift))
+    assert parameters == Parameters.model_validate(parameters.model_dump())
+    assert (parameters.contrast_response.k2_dn == 10_000) == (log > 0)
+
+
+def test_how_many_times_as_strong_as_it_is_looked_for() -> None:
+    found = {(one.effect, one.names[0]): one for one in catalogue(CLUES)}
+    assert found["dead_pixels", "fraction"].times((0.97,)) == pytest.approx(97)
+    assert found["refractory_period", "period_us"].times((6000,)) == 2
+    assert found["photoreceptor_bandwidth", "cutoff_hz"].times((20, 160)) == 4
+    gamma, asymmetry = found["input_response", "gamma_exponent"], found["comparator", "ratio"]
+    assert gamma.times((1.4**3,)) == pytest.approx(3)
+    assert gamma.times((0.8**3,)) == pytest.approx(3)
+    assert asymmetry.times((1.15**-2,)) == pytest.approx(2)
+    assert found["temperature_drift", "rate_c_per_s"].times((-3 * 10 * np.log(2) / np.log(2.03) / 6,)) == (
+        pytest.approx(3)
+    )
 
 
 def test_a_model_knows_its_base_and_its_effects() -> None:

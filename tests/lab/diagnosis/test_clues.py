@@ -45,7 +45,7 @@ LAMP = Lamp("flicker", ("depth", "advance"), ((0.02, 1.0),), {"frequency_hz": 99
 def swaying() -> Rig:
     t_us = np.arange(0, 2_000_001, 5000)
     grey = 100 + 60 * np.sin(2e-6 * np.pi * t_us[:, None, None] + np.arange(16) * 0.4 + np.zeros((12, 1)))
-    return Rig(setting_of(scene_of(grey.astype(np.float32), t_us, "cubic"), t_us, parameters=PAPER), 1)
+    return Rig(setting_of(scene_of(grey.astype(np.float32), t_us, "cubic"), t_us, parameters=PAPER))
 
 
 @pytest.mark.parametrize("turns", [0.3, -0.2])

@@ -65,6 +65,13 @@ def test_effects_that_are_nearly_alike_are_rivals_where_there_is_little_of_them(
     assert (found.effect, found.rivals) == ("threshold_mismatch", rivals)
 
 
+@pytest.mark.parametrize(("fraction", "verdict"), [(0.1, "effects"), (0.3, "unknown")])
+def test_an_effect_many_times_as_strong_as_it_is_looked_for_is_not_named(
+    fraction: float, verdict: str
+) -> None:
+    assert asked(response(DEAD.on(BASE, (fraction,)))).verdict == verdict
+
+
 def test_a_pattern_that_is_not_in_the_catalogue_is_called_unknown() -> None:
     found = asked(response(BASE) + 3 * PATTERNS[10])
     assert (found.verdict, found.found) == ("unknown", ())

@@ -35,6 +35,14 @@ def test_the_hidden_effect_is_named_with_its_size(result: Result) -> None:
     assert "refractory period" in result.sentence
 
 
+def test_what_was_taken_out_of_the_camera_file_is_said_first(done: Done) -> None:
+    session = replace(done.session, taken_out=("noise_pairs", "latency"))
+    told = result_of(session, done.told, done.diagnosis)
+    assert told.sentence.startswith("The recording is better explained without")
+    assert "noise pairs, latency. The camera file lacks" in told.sentence
+    assert told.settings.taken_out == ["noise_pairs", "latency"]
+
+
 def test_of_a_gap_without_a_name_it_is_said_what_comes_nearest(done: Done) -> None:
     open_end = replace(done.diagnosis, verdict="unknown", found=())
     told = result_of(done.session, done.told, open_end).sentence

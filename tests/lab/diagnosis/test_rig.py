@@ -80,6 +80,6 @@ def test_where_columns_or_others_matter_sensors_are_not_joined(name: str) -> Non
 
 
 def test_images_that_stand_still_are_left_out(rig: Rig) -> None:
-    shown = [t_us for _, t_us in rig._lights]
+    shown = rig.lights[1]
     assert {400_000, 590_000} <= set(shown)
     assert not {t for t in shown if 420_000 <= t <= 580_000}

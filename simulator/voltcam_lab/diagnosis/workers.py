@@ -1,0 +1,98 @@
+"""Processes that run a rig.
+
+A simulation of few pixels is as much Python as kernels, and one process runs Python on one core at a time:
+two threads were a tenth faster than one, two processes are nearly twice as fast.
+"""
+
+import os
+import pickle
+import signal
+import threading
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import get_context, parent_process
+from pathlib import Path
+
+import joblib
+import numpy as np
+
+from voltcam_simulator import Parameters
+
+from .rig import Rig, Values
+
+MOST = 12  # batches that the search asks for at a time, mostly; each process takes some 110 MB
+_LINE = 64  # bytes of a cache line: where arrays begin
+
+Place = tuple[int, int]
+"""Where an array begins and ends in the file."""
+
+
+def cores() -> int:
+    """How many processes are worth while here; a container's share and LOKY_MAX_CPU_COUNT count."""
+    return min(int(joblib.cpu_count()), MOST)
+
+
+class Workers:
+    """At most `processes` that run `rig`, whose arrays they share in a file in `folder`."""
+
+    def __init__(self, rig: Rig, folder: Path, processes: int) -> None:
+        path = folder / "scene.arrays"
+        head, places = _written((rig.setting, rig.lights), path)
+        self._pool = ProcessPoolExecutor(
+            processes, get_context("spawn"), initializer=_begin, initargs=(path, head, places)
+        )
+
+    def run(self, parameters: Parameters, seeds: Sequence[int], apart: bool) -> Values:
+        """As `Rig.run`; from any thread."""
+        try:
+            return self._pool.submit(_run, parameters, tuple(seeds), apart).result()
+        except BrokenProcessPool as error:
+            raise ChildProcessError(
+                "a process of the diagnosis was killed: close other programs or look at less (--seconds)"
+            ) from error
+
+    def end(self) -> None:
+        """What runs now is run to its end."""
+        self._pool.shutdown(cancel_futures=True)
+
+
+def _written(thing: object, path: Path) -> tuple[bytes, list[Place]]:
+    """Its arrays written to a file; the rest of it, and where they are."""
+    arrays: list[pickle.PickleBuffer] = []
+    head, places = pickle.dumps(thing, 5, buffer_callback=arrays.append), list[Place]()
+    path.unlink(missing_ok=True)  # of a run before: another process may still be reading it
+    with path.open("wb") as file:
+        for array in arrays:
+            file.write(bytes(-file.tell() % _LINE))
+            begin = file.tell()
+            file.write(array.raw())
+            places.append((begin, file.tell()))
+    return head, places
+
+
+def _read(path: Path, head: bytes, places: Sequence[Place]) -> object:
+    whole = np.memmap(path, np.uint8, "r").data
+    return pickle.loads(head, buffers=[whole[begin:end] for begin, end in places])
+
+
+_rig: Rig  # of a worker
+
+
+def _begin(path: Path, head: bytes, places: Sequence[Place]) -> None:
+    """A worker begins: it leaves Ctrl-C to its parent, and does not outlive it."""
+    global _rig
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    _rig = Rig(*_read(path, head, places))  # type: ignore[misc]
+
+
+def _run(parameters: Parameters, seeds: Sequence[int], apart: bool) -> Values:
+    return _rig.run(parameters, seeds, apart)
+
+
+def _end_with_parent() -> None:
+    parent = parent_process()
+    assert parent is not None
+    parent.join()
+    os._exit(1)

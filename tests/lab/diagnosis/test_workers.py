@@ -1,0 +1,86 @@
+"""Processes that run a rig: the same numbers, and nothing of them is left behind."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from multiprocessing import active_children
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from voltcam_lab.battery import setting_of
+from voltcam_lab.diagnosis.rig import Rig
+from voltcam_lab.diagnosis.stored import StoredRig
+from voltcam_lab.scene import scene_of
+from voltcam_simulator import Parameters
+
+PAPER = Parameters.of("paper")
+MANY = [PAPER, PAPER.changed({"photon_noise": {"k3": 1e-3}})]
+OUTLIVED = """
+import sys, time
+from multiprocessing import active_children
+from pathlib import Path
+from tests.lab.diagnosis.test_workers import PAPER, rig
+rig(Path(sys.argv[1])).runs([PAPER], range(8))
+print(*(child.pid for child in active_children()), flush=True)
+time.sleep(60)
+"""
+
+
+def rig(folder: Path, processes: int = 2) -> StoredRig:
+    t_us = np.arange(0, 500_001, 10_000)
+    phase = t_us[:, None, None] * 4e-6 + np.arange(16) * 0.15 + np.arange(12)[:, None] * 0.1
+    frames = (100 + 80 * np.sin(2 * np.pi * phase)).astype(np.float32)
+    setting = setting_of(scene_of(frames, t_us, "cubic"), t_us, parameters=PAPER)
+    return StoredRig(setting, folder, processes=processes)
+
+
+def test_they_see_what_one_process_sees(tmp_path: Path) -> None:
+    two = rig(tmp_path / "two")
+    one = Rig(two.setting)
+    for theirs, own in zip(two.runs(MANY, range(6)), one.runs(MANY, range(6)), strict=True):
+        np.testing.assert_array_equal(theirs, own)
+    two.forget()
+    assert not active_children()
+    assert not (tmp_path / "two").exists()
+
+
+def test_one_that_is_killed_ends_the_diagnosis_with_the_remedy(tmp_path: Path) -> None:
+    two = rig(tmp_path)
+    two.runs([PAPER], range(8))
+    for child in active_children():
+        child.kill()
+    with pytest.raises(OSError, match="look at less"):
+        two.runs([MANY[1]], range(8))
+    assert len(list(tmp_path.glob("*.npy"))) == 2, "what was done is kept"
+
+
+def test_they_do_not_outlive_a_process_that_is_killed(tmp_path: Path) -> None:
+    parent = subprocess.Popen(
+        [sys.executable, "-c", OUTLIVED, str(tmp_path)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        encoding="utf-8",
+    )
+    with parent:
+        assert parent.stdout is not None
+        workers = [int(pid) for pid in parent.stdout.readline().split()]
+        assert workers
+        assert all(_runs(pid) for pid in workers)
+        parent.send_signal(signal.SIGKILL)
+        end_s = time.monotonic() + 30
+        while any(_runs(pid) for pid in workers) and time.monotonic() < end_s:
+            time.sleep(0.05)
+        assert not any(_runs(pid) for pid in workers)
+
+
+def _runs(pid: int) -> bool:
+    """A process that has ended may wait for a parent that never asks: it is called a zombie then."""
+    try:
+        os.kill(pid, 0)
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except (ProcessLookupError, FileNotFoundError):
+        return False
