@@ -71,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
     )  # fmt: skip
     try:
         session = ready(camera)
-        with tqdm(total=1, disable=None, leave=False, bar_format=BAR) as bar:
+        with tqdm(total=0, disable=None, leave=False, bar_format=BAR) as bar:
             say = partial(_say, bar=bar)
             say(f"Looking at {session.looked_at()}.")
             _follow(session, bar)
@@ -119,10 +119,12 @@ def _diagnose(session: Session, out: Path, say: Report) -> None:
 
 
 def _follow(session: Session, bar: "tqdm[Any]") -> None:
-    """Let the bar show how much of a batch of simulations is done."""
+    """Let the bar show how many of the simulations that were asked for are done, from when none was."""
 
     def begin(runs: int) -> None:
-        bar.n, bar.total = 0, runs
+        if bar.n >= bar.total:
+            bar.n = bar.total = 0
+        bar.total += runs
         bar.refresh()
 
     def end(runs: int) -> None:

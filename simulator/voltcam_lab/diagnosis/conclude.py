@@ -46,7 +46,7 @@ def result_of(session: Session, told: Identifiability, diagnosis: Diagnosis) -> 
     effects = [_effect(diagnosis, found) for found in diagnosis.found]
     return Result(
         verdict=diagnosis.verdict,
-        sentence=_taken_out(session) + sentence(diagnosis, first, last),
+        sentence=sentence(diagnosis, first, last) + _taken_out(session),
         effects=effects,
         residual=_residual(diagnosis),
         where=_strata(ranked(first, session.data)),
@@ -107,7 +107,7 @@ def _taken_out(session: Session) -> str:
     if not session.taken_out:
         return ""
     names = ", ".join(map(in_words, session.taken_out))
-    return f"The recording is better explained without what the camera file has of {names}. "
+    return f" Taken out of the camera file, as the recording is better explained without: {names}."
 
 
 def in_words(effect: str) -> str:

@@ -1,9 +1,9 @@
 """The test rig: the model run on a recording's scene, and what the battery sees of it."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property, lru_cache
 from itertools import groupby
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +18,8 @@ Events = NDArray[np.void]
 Image = tuple[NDArray[np.float32], int]
 Lights = tuple[NDArray[np.float32], list[int]]
 """(images, H, W) DN and their times [us]."""
-Job = tuple[Parameters, tuple[int, ...], bool]
-"""What `Rig.run` is asked for."""
+Item = TypeVar("Item")
+Made = TypeVar("Made")
 
 LEAD_IN_US = 300_000  # for which a camera has been there before it records: light that flickers, queues
 LEAD_IN_PULSES = 60  # of the frame readout, if there are any: they have fired by then whom they can at once
@@ -106,12 +106,14 @@ class Rig:
     def runs(self, many: Sequence[Parameters], seeds: Sequence[int], apart: bool = False) -> list[Values]:
         """Of each parameter set, (seeds, PARTS, n): all runs."""
         batches = _batches(seeds)
-        found = self._all([(parameters, batch, apart) for parameters in many for batch in batches])
+        jobs = [(parameters, batch, apart) for parameters in many for batch in batches]
+        found = self.each(lambda job: self._run(*job), jobs)
         n = len(batches)
         return [np.concatenate(found[n * k : n * (k + 1)]) for k in range(len(many))]
 
-    def _all(self, jobs: Sequence[Job]) -> list[Values]:
-        return [self._run(*job) for job in jobs]
+    def each(self, function: Callable[[Item], Made], items: Sequence[Item]) -> list[Made]:
+        """The function, which asks for runs, of each item; a rig with workers does several at a time."""
+        return [function(item) for item in items]
 
     def means(self, many: Sequence[Parameters], seeds: Sequence[int], apart: bool = False) -> list[Values]:
         """Of each parameter set, the mean over the seeds."""

@@ -87,11 +87,12 @@ def step_of(
     chance = np.mean([loss(z) for z in spread.left_out], axis=0)
     floor_training, floor_held_out = (float(flat(chance, parts).mean()) for parts in (TRAINING, HELD_OUT))
     bench = Bench(rig, screen, data, left, floor_training + AT_CHANCE)
-    trials = [bench.tried(index, float(gains[index])) for index in chosen]
+    trials = rig.each(lambda index: bench.tried(index, float(gains[index])), chosen)
     if trials:
         most = max(trial.gained for trial in trials)
         seem = [one.gained > NEARLY * most or one.gain > NEARLY * gains.max() for one in trials]
-        trials = [bench.anew(one) if good else one for one, good in zip(trials, seem, strict=True)]
+        again = iter(rig.each(bench.anew, [one for one, good in zip(trials, seem, strict=True) if good]))
+        trials = [next(again) if good else one for one, good in zip(trials, seem, strict=True)]
         best = max(trials, key=lambda trial: trial.gained)
         trials[trials.index(best)] = bench.settled(best)
     return Step(

@@ -3,7 +3,7 @@
 import hashlib
 import threading
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import CancelledError, ThreadPoolExecutor, as_completed
 from functools import cached_property
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from voltcam_simulator import Parameters
 from voltcam_simulator.kernel import CACHE_FOLDER
 
 from ..battery import Setting
-from .rig import Events, Job, Rig, Values
+from .rig import Events, Item, Made, Rig, Values
 from .workers import Workers
 
 _SEEDS_APART = 1 << 20  # a multiple of the versions of light, which a seed's remainder chooses
@@ -36,6 +36,7 @@ class StoredRig(Rig):
         super().__init__(setting)
         self.batch, self.done, self._processes = batch, done, processes
         self._folder, self._seed = folder, seed
+        self._ended = threading.Event()  # by an error or Ctrl-C
         self._digest = _digest(setting)
         folder.mkdir(parents=True, exist_ok=True)
 
@@ -46,6 +47,8 @@ class StoredRig(Rig):
     def run(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> Values:
         """(seeds, PARTS, n) what the battery sees of a batch of runs, comparable."""
         key = f"{self._digest} {self._seed} {list(seeds)} {apart} {parameters.model_dump_json()}"
+        if self._ended.is_set():
+            raise CancelledError
         path = self._folder / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.npy"
         values = _read(path)
         if values is None:
@@ -71,11 +74,19 @@ class StoredRig(Rig):
     def _workers(self) -> Workers | None:
         return Workers(self, self._folder, self._processes) if self._processes > 1 else None
 
-    def _all(self, jobs: Sequence[Job]) -> list[Values]:
-        if self._workers is None:
-            return super()._all(jobs)
+    def each(self, function: Callable[[Item], Made], items: Sequence[Item]) -> list[Made]:
+        """The function, which asks for runs, of each item; as many at a time as there are processes."""
+        if self._workers is None or len(items) < 2:
+            return super().each(function, items)
         with ThreadPoolExecutor(self._processes) as pool:  # they wait for the workers
-            return list(pool.map(lambda job: self._run(*job), jobs))
+            jobs = [pool.submit(function, item) for item in items]
+            try:
+                for job in as_completed(jobs):
+                    job.result()
+            except BaseException:
+                self._ended.set()  # else all that they have begun would be run first
+                raise
+            return [job.result() for job in jobs]
 
     def _own(self, seeds: Sequence[int]) -> list[int]:
         return [seed + _SEEDS_APART * self._seed for seed in seeds]

@@ -108,7 +108,8 @@ class Bench:
         starts = [best.model]
         if best.training > self.at_chance:
             starts += [self._start(best), self._nearest(self._from_file(best.candidate))]
-        return max((self.judged(best.candidate, one, best.gain, rounds=3) for one in starts), key=_gained)
+        ends = self.rig.each(lambda one: self.judged(best.candidate, one, best.gain, rounds=3), starts)
+        return max(ends, key=_gained)
 
     def _from_file(self, candidate: Candidate) -> list[Model]:
         """The effect at several sizes, base parameters as in the camera file."""

@@ -35,11 +35,11 @@ def test_the_hidden_effect_is_named_with_its_size(result: Result) -> None:
     assert "refractory period" in result.sentence
 
 
-def test_what_was_taken_out_of_the_camera_file_is_said_first(done: Done) -> None:
+def test_what_was_taken_out_of_the_camera_file_is_said_last(done: Done) -> None:
     session = replace(done.session, taken_out=("noise_pairs", "latency"))
     told = result_of(session, done.told, done.diagnosis)
-    assert told.sentence.startswith("The recording is better explained without")
-    assert "noise pairs, latency. The camera file lacks" in told.sentence
+    assert told.sentence.startswith("The camera file lacks refractory period")
+    assert told.sentence.endswith("better explained without: noise pairs, latency.")
     assert told.settings.taken_out == ["noise_pairs", "latency"]
 
 

@@ -5,17 +5,23 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import CancelledError
 from multiprocessing import active_children
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from voltcam_client.formats import Recording
 from voltcam_lab.battery import setting_of
+from voltcam_lab.diagnosis.loop import diagnose
 from voltcam_lab.diagnosis.rig import Rig
+from voltcam_lab.diagnosis.session import session_of
 from voltcam_lab.diagnosis.stored import StoredRig
 from voltcam_lab.scene import scene_of
-from voltcam_simulator import Parameters
+from voltcam_simulator import Camera, Parameters
+
+from .conftest import Done
 
 PAPER = Parameters.of("paper")
 MANY = [PAPER, PAPER.changed({"photon_noise": {"k3": 1e-3}})]
@@ -46,6 +52,33 @@ def test_they_see_what_one_process_sees(tmp_path: Path) -> None:
     two.forget()
     assert not active_children()
     assert not (tmp_path / "two").exists()
+
+
+def test_a_diagnosis_with_them_is_the_same(done: Done, tiny: Recording, tmp_path: Path) -> None:
+    """Trials are fitted side by side then."""
+    session = session_of(tiny, Camera.load("paper"), tmp_path, processes=3)
+    diagnosis = diagnose(session.rig, session.data, session.model, session.candidates, lambda _: None)
+    session.rig.end()
+    assert diagnosis.model.parameters() == done.diagnosis.model.parameters()
+    assert [step.training for step in diagnosis.steps] == [step.training for step in done.diagnosis.steps]
+    assert [one.effect for one in diagnosis.found] == ["refractory_period"]
+
+
+def test_what_is_wrong_with_one_ends_what_the_others_have_begun(tmp_path: Path) -> None:
+    two, ran = rig(tmp_path), list[int]()
+
+    def fit(item: int) -> None:
+        for seed in range(4 * item, 4 * item + 400, 4):
+            two.run(PAPER, [seed])
+            ran.append(seed)
+            if item:
+                raise ValueError("this one")
+
+    with pytest.raises(ValueError, match="this one"):
+        two.each(fit, [0, 1000])
+    assert 1 <= len(ran) < 100
+    with pytest.raises(CancelledError):
+        two.run(PAPER, [1])
 
 
 def test_one_that_is_killed_ends_the_diagnosis_with_the_remedy(tmp_path: Path) -> None:
