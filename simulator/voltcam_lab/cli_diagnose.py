@@ -62,24 +62,12 @@ def run(arguments: argparse.Namespace) -> int:
     camera = Camera.load(arguments.camera)
     if arguments.out.exists() and not arguments.out.is_dir():
         raise DiagnosisError(f"{arguments.out} is a file: give a folder as --out")
-    recording = load(arguments.recording)
-    name = arguments.recording.absolute().name
     runs = arguments.out / ".cache"
-    ready = partial(
-        session_of, recording, folder=runs, name=name, seed=arguments.seed, seconds=arguments.seconds,
-        processes=cores(),
-    )  # fmt: skip
     try:
-        session = ready(camera)
         with tqdm(total=0, disable=None, leave=False, bar_format=BAR) as bar:
             say = partial(_say, bar=bar)
-            say(f"Looking at {session.looked_at()}.")
-            _follow(session, bar)
-            if bare := without_excess(session, say):
-                session.rig.end()
-                session = replace(ready(bare), taken_out=own_effects(session))
-                say(f"Looking at {session.looked_at()}.")
-                _follow(session, bar)
+            session = _ready(arguments, camera, runs, say, bar)
+            bar.set_description_str("What this recording can tell")
             _diagnose(session, arguments.out, say)
     except KeyboardInterrupt:
         sys.stderr.write(
@@ -88,6 +76,29 @@ def run(arguments: argparse.Namespace) -> int:
         return 130
     session.rig.forget()
     return 0
+
+
+def _ready(
+    arguments: argparse.Namespace, camera: Camera, runs: Path, say: Report, bar: "tqdm[Any]"
+) -> Session:
+    """The recording and the camera file, less what of it the recording does not show."""
+    recording = load(arguments.recording)
+
+    def ready(camera: Camera) -> Session:
+        session = session_of(
+            recording, camera, runs, name=arguments.recording.absolute().name, seed=arguments.seed,
+            seconds=arguments.seconds, processes=cores(),
+        )  # fmt: skip
+        say(f"Looking at {session.looked_at()}.")
+        _follow(session, bar)
+        return session
+
+    session = ready(camera)
+    bare = without_excess(session, say)
+    if bare is None:
+        return session
+    session.rig.end()
+    return replace(ready(bare), taken_out=own_effects(session))
 
 
 def _say(text: str, bar: "tqdm[Any]") -> None:

@@ -24,7 +24,7 @@ def own_effects(session: Session) -> tuple[str, ...]:
 def without_excess(session: Session, report: Report) -> Camera | None:
     """The camera without its `own_effects`, where the recording is better explained so; else None.
 
-    Only all of them are tried: one that is there stays as plain as any that the file lacks, and is found.
+    Only all of them are tried: one that is there is looked for then as any that the file lacks.
     """
     own = own_effects(session)
     if not own:

@@ -18,6 +18,8 @@ Events = NDArray[np.void]
 Image = tuple[NDArray[np.float32], int]
 Lights = tuple[NDArray[np.float32], list[int]]
 """(images, H, W) DN and their times [us]."""
+Job = tuple[Parameters, tuple[int, ...], bool]
+"""What `Rig.run` is asked for."""
 Item = TypeVar("Item")
 Made = TypeVar("Made")
 
@@ -107,9 +109,14 @@ class Rig:
         """Of each parameter set, (seeds, PARTS, n): all runs."""
         batches = _batches(seeds)
         jobs = [(parameters, batch, apart) for parameters in many for batch in batches]
-        found = self.each(lambda job: self._run(*job), jobs)
+        found = self.each(self.remembered, jobs)
         n = len(batches)
         return [np.concatenate(found[n * k : n * (k + 1)]) for k in range(len(many))]
+
+    def remembered(self, job: Job) -> Values:
+        """What `run` gives, simulated once."""
+        values: Values = self._run(*job)
+        return values
 
     def each(self, function: Callable[[Item], Made], items: Sequence[Item]) -> list[Made]:
         """The function, which asks for runs, of each item; a rig with workers does several at a time."""

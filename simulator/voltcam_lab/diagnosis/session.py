@@ -42,7 +42,7 @@ class Session:
 
     recording: of the sample only, x counted in `columns` (those of the sensor that it has). camera: as given,
     of the recording's size. left_out: effects that are in the camera file, or cannot show in the sample.
-    taken_out: effects that were in the file, without which the recording is better explained.
+    taken_out: effects that were in the file, not in `camera`: without them the recording is better explained.
     """
 
     name: str

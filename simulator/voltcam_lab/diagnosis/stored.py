@@ -13,7 +13,7 @@ from voltcam_simulator import Parameters
 from voltcam_simulator.kernel import CACHE_FOLDER
 
 from ..battery import Setting
-from .rig import Events, Item, Made, Rig, Values
+from .rig import Events, Item, Job, Made, Rig, Values
 from .workers import Workers
 
 _SEEDS_APART = 1 << 20  # a multiple of the versions of light, which a seed's remainder chooses
@@ -46,9 +46,9 @@ class StoredRig(Rig):
 
     def run(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> Values:
         """(seeds, PARTS, n) what the battery sees of a batch of runs, comparable."""
-        key = f"{self._digest} {self._seed} {list(seeds)} {apart} {parameters.model_dump_json()}"
         if self._ended.is_set():
             raise CancelledError
+        key = f"{self._digest} {self._seed} {list(seeds)} {apart} {parameters.model_dump_json()}"
         path = self._folder / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.npy"
         values = _read(path)
         if values is None:
@@ -62,13 +62,18 @@ class StoredRig(Rig):
             with partial.open("wb") as file:
                 np.save(file, values)
             partial.replace(path)
-        self.done(len(seeds))
         return values
 
     def runs(self, many: Sequence[Parameters], seeds: Sequence[int], apart: bool = False) -> list[Values]:
         """Of each parameter set, (seeds, PARTS, n): all runs."""
         self.batch(len(many) * len(seeds))
         return super().runs(many, seeds, apart)
+
+    def remembered(self, job: Job) -> Values:
+        """What `run` gives, which counts as done also where it was asked for before."""
+        values = super().remembered(job)
+        self.done(len(job[1]))
+        return values
 
     @cached_property
     def _workers(self) -> Workers | None:
@@ -92,9 +97,10 @@ class StoredRig(Rig):
         return [seed + _SEEDS_APART * self._seed for seed in seeds]
 
     def end(self) -> None:
-        """Let the workers go; what is on disk stays."""
-        if self._workers is not None:
-            self._workers.end()
+        """Let the workers go, if there are any; what is on disk stays."""
+        workers = self.__dict__.get("_workers")
+        if workers is not None:
+            workers.end()
 
     def forget(self) -> None:
         """Let the workers go, and remove what is on disk."""

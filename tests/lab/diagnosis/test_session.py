@@ -142,8 +142,9 @@ def test_progress_tells_of_each_batch_and_run(tiny: Recording, tmp_path: Path) -
     batches, ended = list[int](), list[int]()
     session.rig.batch, session.rig.done = batches.append, ended.append
     session.rig.means([PAPER.parameters], range(3))
-    assert batches == [3]
-    assert sum(ended) == 3
+    session.rig.means([PAPER.parameters], range(3))  # remembered
+    assert batches == [3, 3]
+    assert sum(ended) == 6
 
 
 def test_the_clock_of_the_recording_does_not_matter(tiny: Recording, tmp_path: Path) -> None:
