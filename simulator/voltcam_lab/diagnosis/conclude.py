@@ -46,7 +46,7 @@ def result_of(session: Session, told: Identifiability, diagnosis: Diagnosis) -> 
     effects = [_effect(diagnosis, found) for found in diagnosis.found]
     return Result(
         verdict=diagnosis.verdict,
-        sentence=sentence(diagnosis, first, last) + _taken_out(session),
+        sentence=sentence(diagnosis, first, last) + _taken_out(session) + _far_off(diagnosis),
         effects=effects,
         residual=_residual(diagnosis),
         where=_strata(ranked(first, session.data)),
@@ -108,6 +108,17 @@ def _taken_out(session: Session) -> str:
         return ""
     names = ", ".join(map(in_words, session.taken_out))
     return f" Taken out of the camera file, as the recording is better explained without: {names}."
+
+
+def _far_off(diagnosis: Diagnosis) -> str:
+    if not (off := diagnosis.model.far_off):
+        return ""
+    times = " and ".join(
+        f"{name} is {times:.2g} times what the camera file says" for name, times in off.items()
+    )
+    return (
+        f" In the fitted model {times}: is the file of another camera? voltcam calibrate makes one of this."
+    )
 
 
 def in_words(effect: str) -> str:

@@ -30,6 +30,7 @@ SIZE_SD = 1.5  # of an effect's size about the one it was found with
 STEP, WIDE_STEP = 0.15, 0.5  # of a logarithm, half to each side, for derivatives by runs with common noise
 SHARP = ("k1", "k2_dn", "k5_per_dn_us")
 """What these do bends within a STEP; what others do, and effects, is lost in its noise."""
+ANOTHER_CAMERA = 0.8  # of a logarithm: no two cameras of a make differ by so much
 FLOOR_SHARE = 0.003  # of a statistic: the rig is not better than that
 EFFECT_SHARE = 0.1  # of what an effect in the model does: a real one has another form
 BASE_SHARE = 0.01  # of a base parameter: intervals at rest tell of leaks to a thousandth and drown all else
@@ -50,6 +51,16 @@ class Model:
     def prior_sd(self) -> NDArray[np.float64]:
         """(k,) of `shift`."""
         return np.array([BASE_SD] * len(BASE) + [SIZE_SD] * (len(self.shift) - len(BASE)))
+
+    @property
+    def far_off(self) -> dict[str, float]:
+        """How many times what the camera file says, of base parameters that show sharply and are so far off
+        that the file seems to be of another camera."""
+        return {
+            name: float(np.exp(log))
+            for (_, name), log in zip(BASE, self.shift, strict=False)
+            if name in SHARP and abs(log) > ANOTHER_CAMERA
+        }
 
     def parameters(self, shift: Sequence[float] | None = None) -> Parameters:
         """The parameters; limits of the registry hold."""

@@ -16,7 +16,6 @@ from .trial import COARSE, FITTING, Bench, Trial, from_file
 
 TWINS, SIGNATURE = range(1000, 1028), range(2)
 """Seeds of runs: of the twins, and for signatures."""
-ANOTHER_CAMERA = 0.8  # of a logarithm: what the camera file is off by in a parameter that shows sharply
 ALPHA = 0.01  # chance of a name where nothing is missing, over the whole catalogue
 TRIED = 3  # effects that are fitted by simulation
 WORTH_TRYING = 0.25  # of the largest gain in the score test
@@ -64,10 +63,9 @@ def base_fitted(rig: Rig, model: Model, data: Values) -> Model:
     noise and the leak in the dark, which show where the rest is right, start from the file once more.
     """
     fit = _base_refitted(rig, _base_refitted(rig, model, data, rounds=1), data, rounds=3)
-    sharp = np.array([name in SHARP for _, name in BASE])
-    if np.abs(fit.shift)[sharp].max() < ANOTHER_CAMERA:
+    if not fit.far_off:
         return fit
-    near = np.where(sharp, fit.shift, model.shift)
+    near = np.where([name in SHARP for _, name in BASE], fit.shift, model.shift)
     return _base_refitted(rig, replace(model, shift=tuple(near.tolist())), data, rounds=3)
 
 
