@@ -62,6 +62,11 @@ class Model:
             if name in SHARP and abs(log) > ANOTHER_CAMERA
         }
 
+    @property
+    def astray(self) -> bool:
+        """Base parameters far off, with no effect in the model: of another camera, or for want of one."""
+        return bool(self.far_off) and not self.accepted
+
     def parameters(self, shift: Sequence[float] | None = None) -> Parameters:
         """The parameters; limits of the registry hold."""
         shift = self.shift if shift is None else shift

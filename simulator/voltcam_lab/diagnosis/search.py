@@ -63,7 +63,7 @@ def base_fitted(rig: Rig, model: Model, data: Values) -> Model:
     noise and the leak in the dark, which show where the rest is right, start from the file once more.
     """
     fit = _base_refitted(rig, _base_refitted(rig, model, data, rounds=1), data, rounds=3)
-    if not fit.far_off:
+    if not fit.astray:
         return fit
     near = np.where([name in SHARP for _, name in BASE], fit.shift, model.shift)
     return _base_refitted(rig, replace(model, shift=tuple(near.tolist())), data, rounds=3)
@@ -94,6 +94,8 @@ def step_of(
     chosen = _best(screen, gains, TRIED) if worth else []
     if worth and training > FAR:
         chosen += [index for index in _nearest(rig, screen, data, training) if index not in chosen]
+    if worth and model.astray:
+        chosen += [index for index in _from_file(rig, model, data, candidates) if index not in chosen]
     chance = np.mean([loss(z) for z in spread.left_out], axis=0)
     floor_training, floor_held_out = (float(flat(chance, parts).mean()) for parts in (TRAINING, HELD_OUT))
     bench = Bench(rig, screen, data, left, floor_training + AT_CHANCE)
@@ -130,3 +132,12 @@ def _nearest(rig: Rig, screen: Screen, data: Values, training: float) -> list[in
     )
     left = np.array([gap(flat((data - mean) / screen.spread.v)) for mean in means])
     return _best(screen, np.maximum(training - left, 0), 2)
+
+
+def _from_file(rig: Rig, model: Model, data: Values, candidates: Sequence[Candidate]) -> list[int]:
+    """The signatures that score highest on the camera file: for want of what is there the base may have gone
+    astray, to where other effects seem nearer."""
+    start = from_file(model)
+    spread = spread_of(rig, start, COARSE)
+    screen = screen_of(rig, start, spread, candidates, SIGNATURE)
+    return _best(screen, screen.gains(flat((data - spread.mean) / spread.lenient)), 2)

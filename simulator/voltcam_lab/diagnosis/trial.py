@@ -53,7 +53,8 @@ class Bench:
 
         With a large gap that is too far for a straight line, and the base may have gone astray for want of
         the effect: it is fitted from where the base follows on a straight line at sizes of AMOUNTS, or from
-        the camera file, if that is nearer.
+        the camera file, if that is nearer. Where the base has gone astray it is fitted from the file in any
+        case: where the base has gone is nearer than any size of an effect on the file.
         """
         one, v, model = self.screen.signatures[index], self.screen.spread.lenient, self.screen.model
         z = flat((self.data - self.screen.spread.mean) / v)
@@ -64,7 +65,11 @@ class Bench:
         if gap(z) > LARGE:
             starts += [from_file(model).with_effect(one.candidate, size), *self._from_file(one.candidate)]
             starts += [self._followed(one, z, amount) for amount in AMOUNTS]
-        return self.judged(one.candidate, self._nearest(starts), gain)
+        trial = self.judged(one.candidate, self._nearest(starts), gain)
+        if not model.astray:
+            return trial
+        start = self._nearest(self._from_file(one.candidate))
+        return max(trial, self.judged(one.candidate, start, gain), key=_gained)
 
     def _followed(self, one: Signature, z: NDArray[np.float64], amount: float) -> Model:
         """The model with so much of a signature, its own parameters where they leave the least loss then."""

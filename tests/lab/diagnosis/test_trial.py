@@ -10,7 +10,7 @@ from voltcam_lab.diagnosis.search import base_fitted, step_of
 from voltcam_lab.diagnosis.unlisted import residual_step
 from voltcam_simulator import Parameters
 
-from .made_rig import CATALOGUE, MISMATCH, PATTERNS, START, MadeRig, logs
+from .made_rig import CATALOGUE, DEAD, MISMATCH, PATTERNS, START, MadeRig, logs
 
 LEAK_PER_US = START.junction_leak.k4_per_us + 128 * START.parasitic_photocurrent.k5_per_dn_us
 LIGHT = np.geomspace(0.05, 2, len(FLOORS))
@@ -58,3 +58,25 @@ def test_an_effect_is_fitted_from_the_camera_file_too_where_the_base_has_gone_as
     assert best.candidate == MISMATCH
     assert best.model.sizes()[0][0] == pytest.approx(0.1, rel=0.2)
     assert abs(best.model.shift[0]) < 0.1
+
+
+def lost(parameters: Parameters) -> Values:
+    """A base parameter takes an effect's place, and where it has gone the effect does nothing at all; what it
+    cannot take up looks a little like another effect."""
+    first, *others = logs(parameters)
+    amount = 10 * parameters.threshold_mismatch.sigma * np.interp(first, [0.1, 0.3], [1, 0])
+    seen = np.tensordot([10 * first, *(10 * np.array(others))], PATTERNS[:6], 1)
+    dead = 100 * parameters.dead_pixels.fraction * (PATTERNS[6] + PATTERNS[7])
+    return 100 + seen + amount * (12 * PATTERNS[0] + 0.8 * PATTERNS[6]) + dead
+
+
+def test_an_effect_for_want_of_which_the_base_has_gone_astray_is_looked_for_from_the_camera_file() -> None:
+    rig = MadeRig(lost)
+    data = lost(MISMATCH.on(START, (0.1,))) + rig.noise(4711)
+    base = base_fitted(rig, Model(START), data)
+    assert base.astray
+    best, *others = step_of(rig, base, data, CATALOGUE).trials
+    assert best.candidate == MISMATCH
+    assert best.model.sizes()[0][0] == pytest.approx(0.1, rel=0.2)
+    assert abs(best.model.shift[0]) < 0.1
+    assert [one.candidate for one in others] == [DEAD]
