@@ -46,7 +46,7 @@ def result_of(session: Session, told: Identifiability, diagnosis: Diagnosis) -> 
     effects = [_effect(diagnosis, found) for found in diagnosis.found]
     return Result(
         verdict=diagnosis.verdict,
-        sentence=sentence(diagnosis, first, last) + _taken_out(session) + _far_off(diagnosis),
+        sentence=sentence(diagnosis, first, last) + _far_off(diagnosis) + _taken_out(session),
         effects=effects,
         residual=_residual(diagnosis),
         where=_strata(ranked(first, session.data)),
@@ -103,13 +103,6 @@ def sentence(diagnosis: Diagnosis, first: View, last: View) -> str:
     return f"Something is missing, and nothing in the catalogue explains it: {gap}{chance}.{near}{form}"
 
 
-def _taken_out(session: Session) -> str:
-    if not session.taken_out:
-        return ""
-    names = ", ".join(map(in_words, session.taken_out))
-    return f" Taken out of the camera file, as the recording is better explained without: {names}."
-
-
 def _far_off(diagnosis: Diagnosis) -> str:
     if not (off := diagnosis.model.far_off):
         return ""
@@ -119,6 +112,13 @@ def _far_off(diagnosis: Diagnosis) -> str:
     return (
         f" In the fitted model {times}: is the file of another camera? voltcam calibrate makes one of this."
     )
+
+
+def _taken_out(session: Session) -> str:
+    if not session.taken_out:
+        return ""
+    names = ", ".join(map(in_words, session.taken_out))
+    return f" Taken out of the camera file, as the recording is better explained without: {names}."
 
 
 def in_words(effect: str) -> str:

@@ -30,7 +30,7 @@ SIZE_SD = 1.5  # of an effect's size about the one it was found with
 STEP, WIDE_STEP = 0.15, 0.5  # of a logarithm, half to each side, for derivatives by runs with common noise
 SHARP = ("k1", "k2_dn", "k5_per_dn_us")
 """What these do bends within a STEP; what others do, and effects, is lost in its noise."""
-ANOTHER_CAMERA = 0.8  # of a logarithm: no two cameras of a make differ by so much
+ANOTHER_CAMERA = 0.8  # of a logarithm: twice what cameras of a make are taken to differ by, 30 %
 FLOOR_SHARE = 0.003  # of a statistic: the rig is not better than that
 EFFECT_SHARE = 0.1  # of what an effect in the model does: a real one has another form
 BASE_SHARE = 0.01  # of a base parameter: intervals at rest tell of leaks to a thousandth and drown all else

@@ -95,7 +95,7 @@ def step_of(
     if worth and training > FAR:
         chosen += [index for index in _nearest(rig, screen, data, training) if index not in chosen]
     if worth and model.astray:
-        chosen += [index for index in _from_file(rig, model, data, candidates) if index not in chosen]
+        chosen += [index for index in _best_on_file(rig, model, data, candidates) if index not in chosen]
     chance = np.mean([loss(z) for z in spread.left_out], axis=0)
     floor_training, floor_held_out = (float(flat(chance, parts).mean()) for parts in (TRAINING, HELD_OUT))
     bench = Bench(rig, screen, data, left, floor_training + AT_CHANCE)
@@ -134,7 +134,7 @@ def _nearest(rig: Rig, screen: Screen, data: Values, training: float) -> list[in
     return _best(screen, np.maximum(training - left, 0), 2)
 
 
-def _from_file(rig: Rig, model: Model, data: Values, candidates: Sequence[Candidate]) -> list[int]:
+def _best_on_file(rig: Rig, model: Model, data: Values, candidates: Sequence[Candidate]) -> list[int]:
     """The signatures that score highest on the camera file: for want of what is there the base may have gone
     astray, to where other effects seem nearer."""
     start = from_file(model)
