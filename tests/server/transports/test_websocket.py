@@ -128,13 +128,17 @@ def test_a_client_that_never_reads_costs_only_itself(running: Running) -> None:
 
 
 def test_clients_come_and_go_and_may_say_what_they_want(running: Running) -> None:
-    with running.client("/events") as client:
-        client.send("text")
-        client.send(b"bytes")
-        running.transport.publish(events_message(packet(1)))
-        assert decode_message(receive(client)).seq == 1
-    until(lambda: not running.transport.status.clients, "the client has left")
-    running.transport.publish(events_message(packet(2)))
-    with running.client("/events") as client:
-        running.transport.publish(events_message(packet(3)))
-        assert decode_message(receive(client)).seq == 3
+    with running.client("/frames") as frames:
+        with running.client("/events") as client:
+            client.send("text")
+            client.send(b"bytes")
+            running.transport.publish(events_message(packet(1)))
+            assert decode_message(receive(client)).seq == 1
+        until(lambda: len(running.transport.status.clients) == 1, "the client has left")
+        running.transport.publish(events_message(packet(2)))
+        image = np.zeros((2, 3), dtype=np.uint8)
+        running.transport.publish(frame_message(FrameMessage(image=image, seq=0, t_us=5, stamp_ns=1)))
+        receive(frames)  # the frame comes after packet 2, which no one was there for
+        with running.client("/events") as client:
+            running.transport.publish(events_message(packet(3)))
+            assert decode_message(receive(client)).seq == 3
