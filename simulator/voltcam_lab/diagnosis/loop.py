@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from .catalogue import Candidate
 from .model import BASE, Model, flat
 from .precise import precise
-from .proof import UNNAMED, explain_together, explains, nearer, promising, rivals_of, standing
+from .proof import UNNAMED, explain_together, explains, nearer, rivals_of, standing, worth_adding
 from .refit import refitted
 from .rig import Rig, Values
 from .robust import gap
@@ -70,8 +70,8 @@ def diagnose(
     steps: list[Step] = [step]
     found: list[Found] = []
     nameless: Step | None = None
-    while len(found) < DEEPEST and (trials := promising(step)):
-        chain = _explained(rig, data, candidates, [*steps], trials[0], report)
+    while len(found) < DEEPEST and (trial := worth_adding(step)):
+        chain = _explained(rig, data, candidates, [*steps], trial, report)
         if chain is None:
             break
         nameless = _nameless(rig, data, step, chain, report)
@@ -163,10 +163,10 @@ def _explained(
     one = Found(trial, step, rivals_of(step, trial))
     if explains(step, after, steps[0]) or (begin and explain_together(begin, step, after)):
         return [(one, after)]
-    following = promising(after)
-    if depth == 0 or not following:
+    following = worth_adding(after)
+    if depth == 0 or following is None:
         return None
-    rest = _explained(rig, data, candidates, [*steps, after], following[0], report, depth - 1, begin or step)
+    rest = _explained(rig, data, candidates, [*steps, after], following, report, depth - 1, begin or step)
     return None if rest is None else [(one, after), *rest]
 
 

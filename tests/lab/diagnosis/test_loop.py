@@ -77,6 +77,18 @@ def test_a_pattern_that_is_not_in_the_catalogue_is_called_unknown() -> None:
     assert (found.verdict, found.found) == ("unknown", ())
 
 
+@pytest.mark.parametrize(("beside", "tried"), [(4.0, True), (12.0, False)])
+def test_an_effect_that_removes_little_of_a_large_gap_is_not_gone_on_from(beside: float, tried: bool) -> None:
+    """A dead time beside something that nobody knows, of which it is a half or a tenth."""
+    said: list[str] = []
+    rig = MadeRig()
+    data = response(DEAD_TIME.on(BASE, (5000.0,))) + beside * PATTERNS[10] + rig.noise(4711)
+    found = diagnose(rig, data, Model(START), CATALOGUE, said.append)
+    assert found.verdict == "unknown"
+    assert found.steps[0].trials[0].candidate is DEAD_TIME
+    assert ("Trying refractory_period." in said) == tried
+
+
 @pytest.mark.parametrize(("beside", "verdict"), [(0.45, "effects"), (0.75, "unknown")])
 def test_an_effect_that_closes_a_small_gap_by_half_is_not_named(beside: float, verdict: str) -> None:
     """What nobody knows leaves a fifth of the gap, or half of it, and either is little."""
