@@ -152,8 +152,9 @@ class Emulator:
             self._check_running()
             if self._recorder and self._recorder.status.recording:
                 raise UsageError(f"{self._recorder.status.path} is being recorded: end that recording first")
-            if self._recorder:
-                self._recorder.close()
+            former, self._recorder = self._recorder, None
+            if former:
+                former.close()
             self._recorder = Recorder(path, self.camera.width, self.camera.height)
             return self._recorder.status
 
@@ -214,7 +215,7 @@ class Emulator:
         frame = FrameMessage(
             image=interval.image_u8,
             seq=self._frame_seq,
-            t_us=interval.end_us,
+            t_us=interval.frame_us,
             stamp_ns=time.time_ns(),
             frame_id=self.camera.name,
             parameters_version=interval.parameters_version,

@@ -68,7 +68,7 @@ class Recorder:
     def _write(self, interval: Interval) -> None:
         try:
             self._writer.events(interval.events)
-            self._writer.frame(interval.image_u8, interval.end_us)
+            self._writer.frame(interval.image_u8, interval.frame_us)
             self._frames += self._writer.holds_frames
         except (RecordingError, ValueError) as error:
             self._error = str(error)

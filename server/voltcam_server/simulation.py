@@ -25,13 +25,15 @@ FIRST_PERIOD_US = 33_333
 class Interval:
     """The time between two frames: its events, sorted by t, and the frame (height, width) at its end.
 
-    arrived_s: when that frame came, ready_s: when its events were known, `time.monotonic()`.
+    start_us, end_us: all events stamped from start_us up to end_us; those are earlier than the frames where an
+    effect stamps events earlier than they were. frame_us: the frame's time. arrived_s: when that frame came, ready_s: when its events were known, `time.monotonic()`.
     paced: as of an Arrival.
     """
 
     events: NDArray[np.void]
     start_us: int
     end_us: int
+    frame_us: int
     image: Image
     parameters_version: int
     arrived_s: float
@@ -126,10 +128,11 @@ class Simulation:
         steps = [*self._in_between(frame), frame]
         # An interval in which frames were dropped has the steps of one without: dropping them saves work.
         coarser = 1 + arrival.missed
+        start_us = self._simulator.complete_us
         events = [self._simulator.advance(step.image, step.t_us, coarser) for step in steps]
         self._period_us = span_us
         all_events = events[0] if len(events) == 1 else np.concatenate(events)
-        return self._done(all_events, t_us - span_us, frame, arrival)
+        return self._done(all_events, start_us, frame, arrival)
 
     def _in_between(self, frame: Frame) -> Iterator[Frame]:
         """The frames between the former one and this."""
@@ -156,7 +159,7 @@ class Simulation:
         self._simulator.jump(image, t_us)
         self._shift_us = shift_us
         self._former = None
-        return self._done(np.empty(0, EVENT), t_us, Frame(image, t_us), arrival)
+        return self._done(np.empty(0, EVENT), self._simulator.complete_us, Frame(image, t_us), arrival)
 
     def _done(self, events: NDArray[np.void], start_us: int, frame: Frame, arrival: Arrival) -> Interval:
         self._last_us = frame.t_us
@@ -166,6 +169,7 @@ class Simulation:
         return Interval(
             events,
             start_us,
+            self._simulator.complete_us,
             frame.t_us,
             frame.image,
             self._version,

@@ -169,6 +169,10 @@ class Effect(BaseModel):
         """How much earlier than an interval it may stamp its events: they wait as long, if it is above 0."""
         return 0
 
+    def stamp_us(self, t_us: int) -> int:
+        """The earliest stamp that it gives what reaches it at t_us or later."""
+        return t_us
+
     def state(self, sensor: Sensor) -> State:
         """Arrays it keeps between calls; float32 ones of (height * width,) are handed out band by band."""
         return {}

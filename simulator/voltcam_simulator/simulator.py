@@ -48,7 +48,8 @@ class Simulator:
         self._frame: Image | None = None
         self._t_us = 0
         self._intervals = 0
-        self._complete_us: int | None = None  # up to when all events have been given out, once there are any
+        self._read_us = 0  # up to when events have been through all stages
+        self._complete_us = 0  # the same on the clock that stamps them
         self._waiting: dict[str, Events] = {}  # by effect: events it has given out that are not due yet
         self.parameters = parameters if parameters is not None else Parameters()
 
@@ -62,6 +63,12 @@ class Simulator:
     def event_bytes(self) -> int:
         """Memory of the space for the events of an interval, which grows to what the busiest one needs."""
         return self._pixels.event_bytes
+
+    @property
+    def complete_us(self) -> int:
+        """No event to come is stamped earlier: the time of the last frame, or before, where an effect stamps
+        events earlier than they were."""
+        return self._complete_us
 
     @property
     def parameters(self) -> Parameters:
@@ -116,7 +123,7 @@ class Simulator:
             self._pixels.start(t_us)
         self._pixels.forget_events()
         self._waiting.clear()
-        self._complete_us = None
+        self._read_us, self._complete_us = t_us, self._stamped(t_us)
         self._frame, self._t_us = image, t_us
 
     def _steps(self, before: Image, after: Image, span_us: int, coarser: float) -> None:
@@ -142,6 +149,7 @@ class Simulator:
     def _reported(self, events: Events, end_us: int) -> Events:
         """What leaves the camera by end_us."""
         if not (self._waiting or self._any_reports):
+            self._read_us = self._complete_us = end_us
             return events
         pixels = self._pixels
         readout = Readout(
@@ -154,13 +162,21 @@ class Simulator:
                     readout = self._earlier(readout, effect.earliest_us)
                     np.maximum(events["t"], readout.start_us, out=events["t"])  # it may just have begun to
             events = self._due(effect.name, events, readout.end_us)  # also of one just switched off
-        self._complete_us = readout.end_us
+        if len(events) and events["t"][0] < self._complete_us:  # the clock has just become coarser
+            np.maximum(events["t"], self._complete_us, out=events["t"])
+        self._read_us = readout.end_us
+        self._complete_us = max(self._complete_us, self._stamped(readout.end_us))
         return events
+
+    def _stamped(self, t_us: int) -> int:
+        """The earliest stamp of what is still to come at t_us."""
+        for effect in self._reports:
+            t_us = effect.stamp_us(t_us)
+        return t_us
 
     def _earlier(self, readout: Readout, by_us: int) -> Readout:
         """The interval whose events are complete when those to come may be stamped so much earlier."""
-        start_us = readout.start_us if self._complete_us is None else self._complete_us
-        return replace(readout, start_us=start_us, end_us=max(start_us, readout.end_us - by_us))
+        return replace(readout, start_us=self._read_us, end_us=max(self._read_us, readout.end_us - by_us))
 
     def _due(self, stage: str, events: Events, end_us: int) -> Events:
         """What an effect has given out, now and before, that is due by end_us; the rest waits."""

@@ -14,6 +14,7 @@ import pytest
 from voltcam_client.formats import FormatError, RecordingError, read
 from voltcam_server.emulator import Emulator
 from voltcam_server.problems import UsageError
+from voltcam_server.recorder import QUEUE_INTERVALS
 from voltcam_server.settings import PacketSettings
 from voltcam_simulator import Simulator
 from voltcam_video import Frame, Granted, SourceError, SourceRequest, SourceState
@@ -108,6 +109,32 @@ def test_parameters_version_marks_the_switch_exactly() -> None:
     assert sum(packet.events.size for packet in listener.packets if packet.parameters_version == 0) > 100
     assert sum(packet.events.size for packet in listener.packets if packet.parameters_version == 1) == 0
     assert {frame.parameters_version for frame in listener.frames} == {0, 1}
+
+
+@pytest.mark.parametrize(
+    "early",
+    [
+        {"latency": {"jitter_us": 200}},
+        {"latency": {"delay_us": -100_000}},
+        {"timestamp_quantum": {"quantum_us": 10}},
+        {"latency": {"jitter_us": 5000}, "timestamp_quantum": {"quantum_us": 50_000}},
+    ],
+)
+def test_events_stamped_before_the_frame_they_follow_are_sent(early: dict[str, dict[str, float]]) -> None:
+    with emulating(SCENE) as (emulator, listener):
+        listener.wait(lambda it: it.events.size > 100)
+        for version, changes in enumerate((early, {"latency": {"delay_us": 0, "jitter_us": 0}}), start=1):
+            emulator.simulation.change(changes)
+            listener.wait(
+                lambda it, version=version: (
+                    sum(packet.parameters_version == version and packet.events.size for packet in it.packets)
+                    >= 5
+                )
+            )
+    assert gap_free(listener)
+    assert in_order(listener)
+    assert (np.diff([packet.time_base_ns for packet in listener.packets]) >= 0).all()
+    assert (np.diff([frame.t_us for frame in listener.frames]) > 0).all()
 
 
 def test_a_source_that_is_not_there_is_said_at_the_start(tmp_path: Path) -> None:
@@ -286,9 +313,12 @@ def test_a_full_disk_ends_the_recording_and_nothing_else(
         assert status.error is not None
         assert "No space left" in status.error
         assert "\n" not in status.error
+        with pytest.raises(RecordingError, match="exists already"):
+            emulator.record(str(path))  # the stream goes on without a recorder: more frames than one holds
         count = len(listener.frames)
-        listener.wait(lambda it: len(it.frames) >= count + 5)
-        emulator.end_recording()
+        listener.wait(lambda it: len(it.frames) >= count + QUEUE_INTERVALS + 5)
+        with pytest.raises(UsageError, match="nothing is being recorded"):
+            emulator.end_recording()
     assert read(path).events.size == status.events > 100
 
 

@@ -25,7 +25,7 @@ def interval_of(t: NDArray[np.int64], start_us: int, end_us: int, paced: bool = 
     events = np.zeros(t.size, EVENT)
     events["t"] = t
     events["x"] = np.arange(t.size)  # to tell them apart
-    return Interval(events, start_us, end_us, IMAGE, 0, 0.0, time.monotonic(), paced)
+    return Interval(events, start_us, end_us, end_us, IMAGE, 0, 0.0, time.monotonic(), paced)
 
 
 @st.composite

@@ -29,6 +29,7 @@ def test_intervals_are_the_simulators() -> None:
         assert interval is not None
         np.testing.assert_array_equal(interval.events, simulator.advance(image, 1000 * i))
         assert (interval.start_us, interval.end_us) == (max(0, 1000 * (i - 1)), 1000 * i)
+        assert interval.frame_us == 1000 * i
         np.testing.assert_array_equal(interval.image_u8, image)
 
 

@@ -9,8 +9,8 @@ from ..effect import Effect, Events, Readout, quantity
 
 class TimestampQuantum(Effect):
     """t = q floor(t / q). A stamp may so lie before the frame in whose interval the event came, by less than
-    a quantum; the stream stays in order. (Where the quantum is changed, it may go back once by less than the
-    new one.)
+    a quantum; the stream stays in order. (Where the quantum is changed, stamps that would go back are those of
+    the change, up to the next tick.)
     """
 
     signature: ClassVar[str] = "time stamps are multiples of the quantum"
@@ -24,6 +24,9 @@ class TimestampQuantum(Effect):
     @property
     def active(self) -> bool:
         return self.quantum_us > 1
+
+    def stamp_us(self, t_us: int) -> int:
+        return t_us // self.quantum_us * self.quantum_us
 
     def report(self, events: Events, readout: Readout) -> Events:
         t_us = np.ascontiguousarray(events["t"])
