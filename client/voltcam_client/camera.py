@@ -173,6 +173,7 @@ def _subscribe(url: str, topic: bytes, queue_length: int) -> zmq.SyncSocket:
     socket.tcp_keepalive_idle = KEEPALIVE_IDLE_S
     socket.tcp_keepalive_intvl = KEEPALIVE_PERIOD_S
     socket.tcp_keepalive_cnt = KEEPALIVE_PROBES
+    socket.ipv6 = "[" in url  # not always: localhost would be ::1 then, where a daemon seldom listens
     socket.subscribe(topic)
     try:
         socket.connect(url)

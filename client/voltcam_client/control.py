@@ -11,6 +11,7 @@ from typing import Any
 from voltcam_client.errors import ControlError
 
 DEFAULT_URL = "http://127.0.0.1:8560"
+LONGEST_S = 90.0  # for a change: a stream may take a minute to open, a recording some time to be finished
 Json = dict[str, Any]
 
 
@@ -18,7 +19,7 @@ class Control:
     """The Voltcam daemon at an HTTP address.
 
     Each method returns the daemon's answer and raises ControlError, in one line, when the daemon refuses or
-    does not answer within `timeout_s`; a refused change has changed nothing.
+    does not answer within `timeout_s`, for changes LONGEST_S at least; a refused change has changed nothing.
     """
 
     def __init__(self, url: str = DEFAULT_URL, *, timeout_s: float = 5.0) -> None:
@@ -97,15 +98,21 @@ class Control:
     def _request(self, method: str, path: str, body: Json | None = None) -> Json:
         url = f"{self.url}/api/v1{path}"
         data = None if body is None else json.dumps(body).encode()
+        timeout_s = self.timeout_s if method == "GET" else max(self.timeout_s, LONGEST_S)
         try:
             request = urllib.request.Request(url, data, {"Content-Type": "application/json"}, method=method)
-            with self._opener.open(request, timeout=self.timeout_s) as response:
+            with self._opener.open(request, timeout=timeout_s) as response:
                 answer = json.loads(response.read() or b"{}")
         except urllib.error.HTTPError as error:
             with error:
                 raise ControlError(_detail(error), error.code) from error
         except json.JSONDecodeError as error:
             raise ControlError(f"{url} did not answer in JSON: is it a Voltcam daemon?") from error
+        except TimeoutError as error:  # connected, or it would be the reason of a URLError
+            later = "" if method == "GET" else ", and may still do it"
+            raise ControlError(
+                f"{url} did not answer within {timeout_s:g} s{later}: give Control(timeout_s=...)"
+            ) from error
         except (OSError, HTTPException, ValueError) as error:
             reason = getattr(error, "reason", error)
             raise ControlError(

@@ -114,6 +114,8 @@ def _control(emulator: Emulator, camera: CameraAnswer) -> APIRouter:
         """Changes what is named, between two frames and all at once, or nothing."""
         changes = await read_object(request)
         try:
+            wanted = emulator.simulation.parameters[0].changed(changes)
+            await run_in_threadpool(emulator.simulation.prepare, wanted)
             return _answer(emulator.simulation.change(changes))
         except ValidationError as error:
             raise refusal(error, Parameters) from None

@@ -4,8 +4,9 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
-from voltcam_video import SourceError, SourceRequest, SourceState, watch
+from voltcam_video import Granted, SourceError, SourceRequest, SourceState, watch
 
 from .mailbox import Arrival, Mailbox
 from .problems import one_line
@@ -15,11 +16,18 @@ class Capture:
     """One source, watched until it ends or `stop`.
 
     Its frames go nowhere before `go`, so that a new source is known to work before the former one is let go.
+    granted: of a source that ran before, which is opened again for ever.
     """
 
-    def __init__(self, request: SourceRequest, mailbox: Mailbox, on_state: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        request: SourceRequest,
+        mailbox: Mailbox,
+        on_state: Callable[[], None],
+        granted: Granted | None = None,
+    ) -> None:
         self.request = request
-        self.state = SourceState("opening")
+        self.state = SourceState("opening", granted=granted)
         self._mailbox = mailbox
         self._on_state = on_state
         self._stop, self._go, self._decided = threading.Event(), threading.Event(), threading.Event()
@@ -51,7 +59,7 @@ class Capture:
 
     def _run(self) -> None:
         try:
-            for frame in watch(self.request, self._stop, self._set_state):
+            for frame in watch(self.request, self._stop, self._set_state, self.state.granted):
                 at_s = time.monotonic()
                 first = not self._opened
                 self._opened = True
@@ -65,11 +73,12 @@ class Capture:
         finally:
             self._decided.set()
 
-    def has_device(self, uri: str) -> bool:
+    def has_device(self, device: str | None) -> bool:
         """Whether this is that camera, running: it cannot be opened a second time."""
-        state = self.state
-        is_device = state.granted is not None and state.granted.get("kind") == "device"
-        return uri == self.request.uri and state.state == "running" and is_device
+        ours = self.request.device
+        if device is None or ours is None or self.state.state != "running":
+            return False
+        return Path(device).resolve() == Path(ours).resolve()
 
     @property
     def _paced(self) -> bool:

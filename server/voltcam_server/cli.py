@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any, get_args
 
+from voltcam_client.cli import seconds
 from voltcam_client.formats import SUFFIXES
 from voltcam_simulator import Law, camera_names
 from voltcam_simulator.parameters import merged
@@ -87,7 +88,9 @@ What was written is kept, and reads as it is, after an error or Ctrl-C."""
     parser.add_argument("output", metavar="OUTPUT", type=Path, help="the file to write")
     _add_camera(parser)
     _add_fit(parser)
-    parser.add_argument("--seconds", metavar="N", type=float, help="end after N seconds of the input's time")
+    parser.add_argument(
+        "--seconds", metavar="N", type=seconds, help="end after N seconds of the input's time"
+    )
     parser.add_argument("--overwrite", action="store_true", help="replace OUTPUT if it exists")
     parser.set_defaults(run=_convert)
 

@@ -1,5 +1,6 @@
 """Frames to an event file: offline, as fast as possible, no frame left out."""
 
+import math
 import threading
 import time
 import zipfile
@@ -111,17 +112,28 @@ def _recording(path: Path) -> Recording | None:
         only_events = (path / "events.txt").exists() and not (path / "images.txt").exists()
         in_folder = only_events or path.suffix == PARTIAL or (path / METADATA).exists()
         return read(path) if in_folder else None
-    if path.suffix == ".npz" and zipfile.is_zipfile(path):
+    suffix = path.suffix.lower()
+    if suffix == ".npz" and zipfile.is_zipfile(path):
         with zipfile.ZipFile(path) as archive:
             return None if "frames.npy" in archive.namelist() else read(path)
-    return read(path) if path.is_file() and path.suffix in READABLE and path.suffix != ".npz" else None
+    return read(path) if path.is_file() and suffix in READABLE and suffix != ".npz" else None
 
 
 def _copy(recording: Recording, job: Conversion) -> str:
     width, height = max(1, recording.width), max(1, recording.height)
     with open_writer(job.output, width=width, height=height, overwrite=job.overwrite) as writer:
-        writer.events(recording.events)
+        last_us = _last_us(recording, job.seconds)
+        writer.events(recording.events[recording.events["t"] <= last_us])
         if recording.frames is not None and recording.frame_t_us is not None:
             for image, t_us in zip(recording.frames, recording.frame_t_us.tolist(), strict=True):
-                writer.frame(image, t_us)
+                if t_us <= last_us:
+                    writer.frame(image, t_us)
     return f"{job.output}: {writer.event_count} events copied from {job.source.uri}, nothing simulated"
+
+
+def _last_us(recording: Recording, seconds: float | None) -> float:
+    """Of what is wanted, so many seconds from its first event or frame."""
+    times = [
+        t_us[0] for t_us in (recording.events["t"], recording.frame_t_us) if t_us is not None and t_us.size
+    ]
+    return math.inf if seconds is None or not times else float(min(times)) + seconds * 1e6

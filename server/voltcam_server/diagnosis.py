@@ -4,8 +4,10 @@ Gathering and diagnosing are processes of their own at a lower priority, so that
 and what goes wrong there stays there.
 """
 
+import contextlib
 import json
 import os
+import shutil
 import signal
 import sys
 import tempfile
@@ -36,8 +38,10 @@ END_S = 2.0  # for a process that is told to end
 # Diagnosing takes what nobody else wants, gathering a little more: what it is too late for is lost.
 NICE = {"gathering": 10, "running": 19}
 SENTENCES, SENTENCE = 1000, 500  # the most that is kept, and characters of each
-START = "start.yaml"  # the camera that a diagnosis begins from
+START, GATHERED = "start.yaml", "gathered.npz"  # the camera that a diagnosis begins from; of a stream
 
+Changes = dict[str, Any]
+"""Of parameters: nested by effect."""
 Step = tuple[Literal["gathering", "running"], list[str]]
 """A process, and the state while it runs."""
 
@@ -82,7 +86,7 @@ class Diagnosis:
     """At most one at a time, against the camera of `emulator`, whose ZeroMQ endpoint is `zmq`.
 
     command: of the diagnosing process, followed by RECORDING --camera FILE --out DIR --seconds S. work: the
-    folder for the folders of diagnoses, which are left there.
+    folder for the folders of diagnoses, which are left there; of what was gathered, the last one's.
     """
 
     def __init__(
@@ -97,8 +101,9 @@ class Diagnosis:
         self._thread: threading.Thread | None = None
         self._child: Child | None = None
         self._ending = False
+        self._began = emulator.simulation.parameters[0]  # with the parameters of then
         self._found: Parameters | None = None  # what there is to accept
-        self._former: list[Parameters] = []  # what there is to revert to, the newest last
+        self._former: list[Changes] = []  # what there is to revert, the newest last
 
     @property
     def state(self) -> DiagnosisState:
@@ -121,6 +126,8 @@ class Diagnosis:
                 _check_recording(Path(request.reference))
             if self._thread:
                 self._thread.join()
+            self._tidy_up()
+            self._began = self._emulator.simulation.parameters[0]
             folder = self._make_folder()
             steps = self._steps(request, folder)
             self._ending, self._found = False, None
@@ -150,27 +157,29 @@ class Diagnosis:
             self._end_child()
 
     def accept(self) -> int:
-        """Run with what was found, from the next frame on; returns the new parameters_version.
+        """Run with what was found, from the next frame on; returns the new parameters_version. What it left
+        as it was stays as it is now.
 
         Raises UsageError where there is nothing to accept.
         """
-        found = self._found
+        found, simulation = self._found, self._emulator.simulation
         if found is not None:
-            self._emulator.simulation.prepare(found)
+            simulation.prepare(found)
         with self._lock:
             if found is None or found is not self._found or not self._state.acceptable:
                 raise UsageError("there is nothing to accept: only what a diagnosis has found, and once")
-            self._former.append(self._emulator.simulation.parameters[0])
-            version = self._emulator.simulation.change(found.model_dump())[1]
+            former = simulation.parameters[0]
+            accepted, version = simulation.change(found.changes_since(self._began))
+            self._former.append(former.changes_since(accepted))
             self._set(acceptable=False, revertible=True)
             return version
 
     def revert(self) -> int:
-        """Run with the parameters from before the last `accept`, from the next frame on; the same of them."""
+        """Run without what the last `accept` changed, from the next frame on; the same of it."""
         with self._lock:
             if not self._former:
                 raise UsageError("there is nothing to revert: nothing that a diagnosis found was accepted")
-            version = self._emulator.simulation.change(self._former.pop().model_dump())[1]
+            version = self._emulator.simulation.change(self._former.pop())[1]
             self._set(acceptable=self._found is not None, revertible=bool(self._former))
             return version
 
@@ -178,10 +187,20 @@ class Diagnosis:
     def _running(self) -> bool:
         return self._state.state in ("gathering", "running")
 
+    def _tidy_up(self) -> None:
+        """Of the folder of the diagnosis before, what is large, and of no use to people."""
+        if not self._state.folder:
+            return
+        with contextlib.suppress(OSError):  # it is not ours alone
+            for path in Path(self._state.folder).iterdir():
+                if path.is_dir():
+                    shutil.rmtree(path, ignore_errors=True)
+                elif path.name == GATHERED:
+                    path.unlink()
+
     def _make_folder(self) -> Path:
         """A new one, with the camera as it is in it."""
-        parameters = self._emulator.simulation.parameters[0]
-        camera = self._emulator.camera.model_copy(update={"parameters": parameters})
+        camera = self._emulator.camera.model_copy(update={"parameters": self._began})
         try:
             folder = Path(tempfile.mkdtemp(prefix="voltcam-diagnosis-", dir=self._work))
             (folder / START).write_text(camera.to_yaml())
@@ -190,7 +209,7 @@ class Diagnosis:
         return folder
 
     def _steps(self, request: DiagnosisRequest, folder: Path) -> list[Step]:
-        seconds, gathered = f"{request.seconds:g}", folder / "gathered.npz"
+        seconds, gathered = f"{request.seconds:g}", folder / GATHERED
         recording = gathered if request.stream else Path(request.reference or "").absolute()
         diagnose = [*self._command, str(recording), "--camera", str(folder / START), "--out", str(folder)]
         diagnose += ["--seconds", seconds]

@@ -120,7 +120,9 @@ class Emulator:
         with self._control:
             self._check_running()
             former = self._capture
-            exclusive = former.has_device(request.uri)
+            if request.uri == former.request.shown:  # as we told it: without the password
+                request = request.model_copy(update={"uri": former.request.uri})
+            exclusive = former.has_device(request.device)
             if exclusive:
                 former.stop()
             new = self._opening = Capture(request, self._mailbox, self._news.set)
@@ -130,7 +132,8 @@ class Emulator:
             except SourceError:
                 new.stop()
                 if exclusive:
-                    self._use(Capture(former.request, self._mailbox, self._news.set))
+                    granted = former.state.granted
+                    self._use(Capture(former.request, self._mailbox, self._news.set, granted))
                 raise
             finally:
                 self._opening = None

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 from pydantic_settings import (
     BaseSettings,
     EnvSettingsSource,
@@ -22,7 +22,10 @@ from voltcam_video import SourceRequest
 from .problems import KeyPath, UsageError, explain, faults, one_line
 
 EncodingName = Literal["libcaer", "mono", "evt3", "libcaer_cmp"]
-Upsample = Literal["off", "linear", "cubic", "auto"] | Annotated[int, Field(ge=1, le=64)]
+Upsample = Annotated[
+    Literal["off", "linear", "cubic", "auto"] | Annotated[int, Field(ge=1, le=64)],
+    BeforeValidator(lambda value: "off" if value is False else value),  # as YAML reads an off without quotes
+]
 ENV_PREFIX = "VOLTCAM_"
 NOT_SETTINGS = {"VOLTCAM_DATA"}  # where the project's tests find recordings
 SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"

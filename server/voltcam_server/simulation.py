@@ -25,9 +25,9 @@ FIRST_PERIOD_US = 33_333
 class Interval:
     """The time between two frames: its events, sorted by t, and the frame (height, width) at its end.
 
-    start_us, end_us: all events stamped from start_us up to end_us; those are earlier than the frames where an
-    effect stamps events earlier than they were. frame_us: the frame's time. arrived_s: when that frame came, ready_s: when its events were known, `time.monotonic()`.
-    paced: as of an Arrival.
+    start_us, end_us: it has all events stamped from start_us to end_us; that is before the frames where an
+    effect stamps events earlier than they were. frame_us: the frame's time. arrived_s: when that frame came,
+    ready_s: when its events were known, `time.monotonic()`. paced: as of an Arrival.
     """
 
     events: NDArray[np.void]

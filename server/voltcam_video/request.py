@@ -7,6 +7,9 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from voltcam_video.frame import Fit
 
+SECRETS = "pass|pwd|token|secret|key|auth"
+"""What the name of a query's secret has in it."""
+
 
 class SourceRequest(BaseModel):
     """Which source, and how to read it. What a source cannot do it ignores; `granted` says what came."""
@@ -52,6 +55,14 @@ class SourceRequest(BaseModel):
     )
 
     @property
+    def device(self) -> str | None:
+        """The device file, of a camera."""
+        if self.uri.isdecimal():
+            return f"/dev/video{self.uri}"
+        return self.uri if self.uri.startswith("/dev/") else None
+
+    @property
     def shown(self) -> str:
         """The uri for messages and logs: a stream's password is left out."""
-        return re.sub(r"(?<=://)([^/@:]*):[^/@]*@", r"\1:***@", self.uri)
+        uri = re.sub(r"(?<=://)([^/?#@:]*):[^/?#]*@", r"\1:***@", self.uri)
+        return re.sub(rf"([?&][^=&#]*(?:{SECRETS})[^=&#]*=)[^&#]*", r"\1***", uri, flags=re.IGNORECASE)

@@ -27,19 +27,22 @@ class SourceState:
 
 
 def watch(
-    request: SourceRequest, stop: threading.Event, on_state: Callable[[SourceState], None]
+    request: SourceRequest,
+    stop: threading.Event,
+    on_state: Callable[[SourceState], None],
+    granted: Granted | None = None,
 ) -> Iterator[Frame]:
     """Opens the source and yields its frames until it ends or `stop` is set, which takes effect within 0.2 s.
 
     A live source that fails after its first frame is opened again for ever, waiting 0.5 s to 10 s between
     attempts; its next frame has `cut` set. One that fails before its first frame raises SourceError, as a
-    recording that fails does. `on_state` is called at every change, by the thread that takes the frames.
+    recording that fails does. granted: what a source gave that ran before: it is opened again for ever, too.
+    `on_state` is called at every change, by the thread that takes the frames.
     """
-    clock, attempts, ran = Clock(), 0, False
-    granted: Granted | None = None
+    attempts, ran = 0, False
     on_state(SourceState("opening"))
     while not stop.is_set():
-        reader = _Reader(request, clock)
+        reader = _Reader(request, Clock())  # anew: the wall clock may have been set since
         try:
             for frame in reader.frames(stop):
                 if attempts or not ran:

@@ -26,7 +26,7 @@ PLACES = {
 
 NORMAL_90 = 1.645
 PAIRS = (("k1", "k2_dn"), ("k4_per_us", "k5_per_dn_us"))
-"""Which of them, beside k3 and k6, a recording tells apart badly (DIAGNOSIS.md, section 4)."""
+"""Which of them, beside k3 and k6, a recording tells apart badly."""
 
 
 @dataclass(frozen=True)

@@ -43,6 +43,17 @@ class ParameterSet(BaseModel):
         """
         return type(self).model_validate(merged(self.model_dump(), changes))
 
+    def changes_since(self, before: Self) -> dict[str, Any]:
+        """The changes that make these parameters of those before, as `changed` takes them."""
+        was, changes = before.model_dump(), {}
+        for name, value in self.model_dump().items():
+            if value != was[name]:
+                nested = isinstance(value, dict)
+                changes[name] = (
+                    {key: one for key, one in value.items() if one != was[name][key]} if nested else value
+                )
+        return changes
+
 
 def merged(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
     """base with changes laid over it, nested mappings key by key."""

@@ -171,8 +171,16 @@ def test_nobody_there(daemon: Daemon) -> None:
 
 def test_a_daemon_that_hangs(daemon: Daemon) -> None:
     daemon.hold = threading.Event()
-    with pytest.raises(ControlError, match="timed out"):
+    with pytest.raises(ControlError, match=r"/status did not answer within 0\.1 s: give Control\(timeout_s"):
         Control(daemon.url, timeout_s=0.1).status()
+    daemon.hold.set()
+
+
+def test_a_change_may_take_longer_than_an_answer(daemon: Daemon, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("voltcam_client.control.LONGEST_S", 0.1)
+    daemon.hold = threading.Event()
+    with pytest.raises(ControlError, match=r"within 0\.1 s, and may still do it"):
+        Control(daemon.url, timeout_s=0.01).set_source("rtsp://slow/")
     daemon.hold.set()
 
 

@@ -1,4 +1,4 @@
-"""The effects of the catalogue (DIAGNOSIS.md, sections 4 and 5), by the registry's names, at three levels.
+"""The effects of the catalogue by the registry's names, at three levels.
 
 Some change the pixels (`wire`), some the events (`readout.py`), one the frames' clock (`recording.py`).
 Sizes are in the catalogue's units; how an effect comes about is our own choice where there is one. Leak

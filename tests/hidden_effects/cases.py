@@ -1,4 +1,4 @@
-"""The grid of DIAGNOSIS.md, section 5: what is hidden in which recording."""
+"""The grid: what is hidden in which recording."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

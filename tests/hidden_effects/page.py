@@ -37,7 +37,7 @@ Intervals: 95 %, Clopper and Pearson's for shares, between order statistics for 
 the figure, not by its interval. A case that crashed counts as wrong. A diagnosis that gives a set of effects
 which explain a recording equally well, with the true one in it but not first, has not named it, and has not
 named a wrong one."""
-_CONTROLS = "Section 5 asks for no figure here. A crash counts as a wrong name."
+_CONTROLS = "No figure was asked for here. A crash counts as a wrong name."
 _BY_EFFECT = """\
 Named of how many, by level; median of the share of the removable held-out gap that was removed, and of the
 size found over the hidden one, where named."""
@@ -75,7 +75,7 @@ shares no code with simulator and lab, forms effects in its own way, and has eve
 frames (8 bit, {FPS:g} fps where nothing else is said) and the published parameters of the camera, on one
 thread. Its verdict is on disk before the answer is drawn from the seed.
 Seeds are {first} to {last}, {use} {REPORTED_FROM}.
-Asked figures are those of `DIAGNOSIS.md`, section 5.
+What is asked was written down before the first case ran.
 
 Sources of simulator, lab and generator (digest, verdicts): {code or "none yet"}.{mixed}"""
 

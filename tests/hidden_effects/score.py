@@ -1,4 +1,4 @@
-"""Verdicts against answers: the table of DIAGNOSIS.md, section 5."""
+"""Verdicts against answers: what was asked, what was reached."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

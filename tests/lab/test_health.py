@@ -333,7 +333,7 @@ def test_what_it_can_determine() -> None:
 
 
 def test_the_slider() -> None:
-    """DIAGNOSIS.md, section 6: ON crowd 400 to 50 us before a frame stamp, OFF 550 to 1500 us after it."""
+    """On slider_depth ON crowd 400 to 50 us before a frame stamp, OFF 550 to 1500 us after it."""
     health = examine(_real("slider_depth"))
     on, off = health["frame-locked events"].numbers["windows"]
     assert (on["begin_us"], on["end_us"]) == (pytest.approx(-400, abs=100), pytest.approx(-50, abs=100))

@@ -82,6 +82,17 @@ def test_a_recording_without_frames_is_copied(tmp_path: Path) -> None:
         np.testing.assert_array_equal(read(tmp_path / output).events, read(tmp_path / "events.npz").events)
 
 
+def test_of_a_copy_the_first_seconds_are_enough(tmp_path: Path) -> None:
+    convert(job(save_frames(tmp_path / "in.npz", moving_frames(9, tiny())), tmp_path / "EVENTS.TXT"))
+    assert "nothing simulated" in convert(
+        replace(job(tmp_path / "EVENTS.TXT", tmp_path / "first.txt"), seconds=0.05)
+    )
+    events = read(tmp_path / "EVENTS.TXT").events
+    first = events[events["t"] <= events["t"][0] + 50_000]
+    assert 0 < first.size < events.size
+    np.testing.assert_array_equal(read(tmp_path / "first.txt").events, first)
+
+
 def test_a_recording_of_others_is_simulated_from_its_frames(tmp_path: Path) -> None:
     h5py = pytest.importorskip("h5py", reason="h5py is in the extra [lab]")
     frames, t_us = moving_frames(20, tiny()), 10_000 * np.arange(20)
@@ -126,7 +137,7 @@ def test_an_unfinished_recording_is_recovered(tmp_path: Path) -> None:
         (["in.npz", "out.mp3"], "'.mp3'"),
         (
             ["in.npz", "there.npz"],
-            "there.npz exists already: choose another name, remove it, or give the command --overwrite",
+            "there.npz exists already: choose another name, or remove it (convert and record: --overwrite)",
         ),
         (
             ["in.npz", "out.npz", "--set", "comparator.theta=1"],

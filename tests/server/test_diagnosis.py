@@ -192,7 +192,33 @@ def test_one_accepted_after_the_other_is_reverted_one_after_the_other(bench: Ben
     bench.control.revert_diagnosis()
     assert bench.parameters() == warmer
     bench.control.revert_diagnosis()
-    assert bench.parameters() == start
+    assert bench.parameters() == start | {"temperature_c": 50}
+
+
+def test_what_was_set_meanwhile_stays(bench: Bench) -> None:
+    start = bench.parameters()
+    bench.started()
+    bench.control.set({"temperature_c": 40})
+    bench.done("find")
+    bench.control.accept_diagnosis()
+    assert bench.parameters()["temperature_c"] == 40
+    assert bench.parameters()["refractory_period"]["period_us"] == 300
+    bench.control.set({"comparator.theta_on": 1.5})
+    bench.control.revert_diagnosis()
+    comparator = start["comparator"] | {"theta_on": 1.5}
+    assert bench.parameters() == start | {"temperature_c": 40, "comparator": comparator}
+
+
+def test_of_the_one_before_the_results_are_kept_and_no_more(bench: Bench) -> None:
+    bench.started()
+    folder = Path(bench.done("find")["folder"])
+    (folder / "runs").mkdir()
+    (folder / "runs" / "1.npy").touch()
+    (folder / "gathered.npz").touch()
+    bench.started()
+    kept = {path.name for path in folder.iterdir()}
+    assert kept == {"start.yaml", "running.log", "result.json", "camera.yaml", "report.html"}
+    bench.done("none")
 
 
 def test_there_is_one_at_a_time(bench: Bench) -> None:

@@ -217,7 +217,11 @@ class OnlyCamera:
         self.open_count = 0
 
     def __call__(
-        self, request: SourceRequest, stop: threading.Event, on_state: Callable[[SourceState], None]
+        self,
+        request: SourceRequest,
+        stop: threading.Event,
+        on_state: Callable[[SourceState], None],
+        granted: Granted | None = None,
     ) -> Iterator[Frame]:
         self.open_count += 1
         try:
@@ -235,6 +239,7 @@ def test_a_camera_is_let_go_before_it_is_opened_anew(monkeypatch: pytest.MonkeyP
     with emulating(SourceRequest(uri="/dev/video0")) as (emulator, listener):
         listener.wait(lambda it: it.frames)
         emulator.look_at(SourceRequest(uri="/dev/video0", fps=60))
+        emulator.look_at(SourceRequest(uri="0", fps=60))  # the same one
         assert emulator.source.request.fps == 60
         with pytest.raises(SourceError, match="busy"):
             emulator.look_at(SourceRequest(uri="/dev/video0", fps=666))
@@ -242,6 +247,44 @@ def test_a_camera_is_let_go_before_it_is_opened_anew(monkeypatch: pytest.MonkeyP
         assert emulator.source.request.fps == 60
         count = len(listener.frames)
         listener.wait(lambda it: len(it.frames) > count + 3)
+
+
+class UnpluggedCamera(OnlyCamera):
+    """One that is away when it is to be opened again, and comes back."""
+
+    def __call__(
+        self,
+        request: SourceRequest,
+        stop: threading.Event,
+        on_state: Callable[[SourceState], None],
+        granted: Granted | None = None,
+    ) -> Iterator[Frame]:
+        if granted is not None:
+            on_state(SourceState("reconnecting", "/dev/video0: unplugged", granted, 1))
+            stop.wait(0.1)
+        return super().__call__(request, stop, on_state, granted)
+
+
+def test_the_old_camera_goes_on_when_it_comes_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("voltcam_server.capture.watch", UnpluggedCamera())
+    with emulating(SourceRequest(uri="/dev/video0")) as (emulator, listener):
+        listener.wait(lambda it: it.frames)
+        with pytest.raises(SourceError, match="busy"):
+            emulator.look_at(SourceRequest(uri="/dev/video0", fps=666))
+        until(lambda: emulator.source.state == "running", "the camera is back")
+
+
+def test_what_is_asked_for_as_it_was_told_keeps_its_password() -> None:
+    server = MjpegServer()
+    uri = server.url.replace("://", "://robot:secret@")
+    with emulating(SourceRequest(uri=uri, timeout_s=5)) as (emulator, listener):
+        listener.wait(lambda it: it.frames)
+        told = emulator.source.request
+        assert "secret" not in told.uri
+        emulator.look_at(told.model_copy(update={"fit": "stretch"}))
+        assert emulator._capture.request.uri == uri
+        emulator.stop()
+        server.die()
 
 
 def test_ending_does_not_wait_for_a_source_that_hangs() -> None:

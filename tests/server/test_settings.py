@@ -66,6 +66,10 @@ def test_precedence_key_by_key(tmp_path: Path) -> None:
     assert parameters.leak_noise.k6 == 1e-6
 
 
+def test_off_needs_no_quotes(tmp_path: Path) -> None:
+    assert load({}, config(tmp_path, "upsample: off"), {}).upsample == "off"
+
+
 def test_changes_keep_what_the_camera_file_says(tmp_path: Path) -> None:
     camera = tmp_path / "mine.yaml"
     camera.write_text("name: mine\nwidth: 32\nheight: 20\ncomparator: {theta_on: 2.0}\n")

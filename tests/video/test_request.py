@@ -41,6 +41,8 @@ def test_every_field_is_described_for_editors_and_the_page() -> None:
     [
         ("rtsp://admin:secret@10.0.0.7:554/live", "rtsp://admin:***@10.0.0.7:554/live"),
         ("rtsp://admin@10.0.0.7/live", "rtsp://admin@10.0.0.7/live"),
+        ("rtsp://u:p@ss@h/live", "rtsp://u:***@h/live"),
+        ("http://h/live?user=a&pwd=secret&fps=5", "http://h/live?user=a&pwd=***&fps=5"),
         ("http://10.0.0.7/a:b@c", "http://10.0.0.7/a:b@c"),
         ("clip.mp4", "clip.mp4"),
     ],

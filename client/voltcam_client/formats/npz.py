@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from voltcam_client.encodings import EVENT, Events
 from voltcam_client.formats.recording import FormatError, Recording, RecordingError, smallest_size
 from voltcam_client.formats.spool import Spool, geometry_from_json, geometry_to_json, read_spool
-from voltcam_client.formats.writer import Writer, cannot_create
+from voltcam_client.formats.writer import Writer, cannot_create, exists_already
 
 DESCRIPTION = "numpy arrays t, x, y, p and, with frames, frames, t_us"
 PARTIAL = ".partial"
@@ -37,13 +37,9 @@ class NpzWriter(Writer):
         super().__init__(path, width, height)
         self._folder = path.with_name(path.name + PARTIAL)
         if path.exists() and not overwrite:
-            raise RecordingError(
-                f"{path} exists already: choose another name, remove it, or give the command --overwrite"
-            )
+            raise exists_already(path)
         if self._folder.exists() and not overwrite:
-            raise RecordingError(
-                f"{self._folder} is an unfinished recording: {self._remedy()}, or lose it with --overwrite"
-            )
+            raise RecordingError(f"{self._folder} is an unfinished recording: {self._remedy()}, or remove it")
         try:
             self._spool = Spool(self._folder, width, height)
         except OSError as error:

@@ -22,10 +22,15 @@ CHUNK = 1 << 16
 def cannot_create(path: Path, error: OSError) -> RecordingError:
     """The one line for a target that cannot be made."""
     if error.errno == errno.EEXIST:
-        return RecordingError(
-            f"{path} exists already: choose another name, remove it, or give the command --overwrite"
-        )
+        return exists_already(path)
     return RecordingError(f"{path} cannot be created: {error.strerror}: choose a folder that can be written")
+
+
+def exists_already(path: Path) -> RecordingError:
+    """The one line for a target that is there."""
+    return RecordingError(
+        f"{path} exists already: choose another name, or remove it (convert and record: --overwrite)"
+    )
 
 
 class AppendFile:

@@ -25,13 +25,14 @@ def open_source(
     clock: what live frames and real-time pacing are stamped with. stop: ends the wait for a frame's due time,
     and with it the recording.
     """
-    return _kind(request.uri)(request, clock or Clock(), stop or threading.Event())
+    return _kind(request)(request, clock or Clock(), stop or threading.Event())
 
 
-def _kind(uri: str) -> type[Source]:
+def _kind(request: SourceRequest) -> type[Source]:
+    uri = request.uri
     if uri == "scene":
         return SceneSource
-    if uri.isdecimal() or uri.startswith("/dev/"):
+    if request.device:
         return DeviceSource
     if "://" in uri:
         return NetworkSource

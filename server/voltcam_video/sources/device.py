@@ -3,6 +3,7 @@
 import math
 import os
 import threading
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from voltcam_video.sources.live import LiveSource
 from voltcam_video.sources.source import Granted, SourceError
 
 STALE_US = 10_000_000
+LET_GO_S, RETRY_S = 1.0, 0.1  # a camera just let go, by us too, is free when its last frame has come
 
 
 def kernel_time_us(stamp_us: int, clock: Clock) -> int | None:
@@ -42,7 +44,7 @@ class DeviceSource(LiveSource):
         stop: threading.Event,
         open_capture: Callable[[str, int], Capture] = cv2.VideoCapture,
     ) -> None:
-        self._path = f"/dev/video{request.uri}" if request.uri.isdecimal() else request.uri
+        self._path = request.device or request.uri
         self._open_capture = open_capture
         # OpenCV has no other way to set it, and listens to the first camera of a process only.
         os.environ.setdefault("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT", str(math.ceil(request.timeout_s)))
@@ -51,13 +53,16 @@ class DeviceSource(LiveSource):
 
     def _open(self) -> Capture:
         _check(self._path)
-        capture = self._open_capture(self._path, cv2.CAP_V4L2)
-        if not capture.isOpened():
-            raise SourceError(
-                f"{self._path}: cannot capture: another program has it (fuser -v {self._path} names it), "
-                f"or it is no camera; {_cameras()}"
-            )
-        return capture
+        deadline_s = time.monotonic() + LET_GO_S
+        while True:
+            capture = self._open_capture(self._path, cv2.CAP_V4L2)
+            if capture.isOpened():
+                return capture
+            if time.monotonic() > deadline_s or self.stop.wait(RETRY_S):
+                raise SourceError(
+                    f"{self._path}: cannot capture: another program has it (fuser -v {self._path} names it), "
+                    f"or it is no camera; {_cameras()}"
+                )
 
     def _ask(self) -> Granted:
         capture, request = self._capture, self.request

@@ -140,7 +140,7 @@ def _one(name: str, *sizes: float) -> dict[str, Any]:
 
 
 def catalogue(clues: Clues) -> tuple[Candidate, ...]:
-    """What is looked for; sizes about the middle ones of DIAGNOSIS.md, section 5."""
+    """What is looked for, at sizes that a recording of seconds shows plainly."""
     warming = 10 * log(2) / log(2.03) / clues.seconds  # doubles the leak over the recording
     scan = {
         "frame_period_us": clues.frame_period_us,

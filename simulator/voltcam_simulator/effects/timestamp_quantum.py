@@ -9,8 +9,7 @@ from ..effect import Effect, Events, Readout, quantity
 
 class TimestampQuantum(Effect):
     """t = q floor(t / q). A stamp may so lie before the frame in whose interval the event came, by less than
-    a quantum; the stream stays in order. (Where the quantum is changed, stamps that would go back are those of
-    the change, up to the next tick.)
+    a quantum; the stream stays in order: where the quantum is changed, stamps wait for the next tick.
     """
 
     signature: ClassVar[str] = "time stamps are multiples of the quantum"

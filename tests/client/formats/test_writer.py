@@ -74,7 +74,7 @@ def test_a_disk_full_on_close_leaves_the_spool(tmp_path: Path, make_events) -> N
     assert f"voltcam convert {path}.partial recovered.npz" in str(error.value)
     assert not path.exists()
     np.testing.assert_array_equal(read(f"{path}.partial").events, events)
-    with pytest.raises(RecordingError, match=r"unfinished recording.*convert.*--overwrite"):
+    with pytest.raises(RecordingError, match=r"unfinished recording.*convert.*or remove it"):
         open_writer(path, width=346, height=260)
     with open_writer(tmp_path / "recovered.npz", width=346, height=260) as recovered:
         recovered.events(read(f"{path}.partial").events)

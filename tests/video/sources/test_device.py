@@ -179,6 +179,14 @@ def test_stalled_and_unplugged(device: str, still_clock: "StillClock") -> None:
             source.read()
 
 
+def test_a_camera_just_let_go_is_waited_for(device: str, still_clock: "StillClock") -> None:
+    """By itself: the daemon lets it go, too, when it is to be opened with another size."""
+    capture = FakeCapture([(0, IMAGE), (10, IMAGE)], opened=False)
+    threading.Timer(0.15, lambda: setattr(capture, "opened", True)).start()
+    with open_fake(capture, still_clock, device) as source:
+        assert source.read().t_us > 0
+
+
 def test_busy_camera(device: str, still_clock: "StillClock") -> None:
     with pytest.raises(SourceError, match=r"another program has it \(fuser -v"):
         open_fake(FakeCapture([], opened=False), still_clock, device)
