@@ -22,6 +22,7 @@ from .diagnosis.workers import cores
 from .page import write
 from .recordings import load
 
+RUNS = ".voltcam-runs"  # in --out, until all is done
 BAR = "{desc:<34} {percentage:3.0f}% |{bar:24}| {n_fmt} of {total_fmt} simulations {elapsed}"
 
 
@@ -62,7 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
     camera = Camera.load(arguments.camera)
     if arguments.out.exists() and not arguments.out.is_dir():
         raise DiagnosisError(f"{arguments.out} is a file: give a folder as --out")
-    runs = arguments.out / ".cache"
+    runs = arguments.out / RUNS
     try:
         with tqdm(total=0, disable=None, leave=False, bar_format=BAR) as bar:
             say = partial(_say, bar=bar)
@@ -110,7 +111,7 @@ def _say(text: str, bar: "tqdm[Any]") -> None:
 def _diagnose(session: Session, out: Path, say: Report) -> None:
     told = identify(session.rig, session.model, session.candidates)
     say(told.text() + "\n")
-    diagnosis = diagnose(session.rig, session.data, session.model, session.candidates, say)
+    diagnosis = diagnose(session.rig, session.data, session.model, session.candidates, say, session.whole)
     result = result_of(session, told, diagnosis)
     say("\n" + result.sentence)
     for effect in result.effects:

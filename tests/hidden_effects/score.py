@@ -26,9 +26,10 @@ class Judged:
     """A verdict beside its answer.
 
     right: each hidden effect's name and no other; "none" where nothing is hidden; "unknown" for what is not
-    in the catalogue; of another make some of what it shares with that, or "unknown". wrong: a name that is
-    not hidden, an alarm where nothing is. abstained: neither, or refused as a bad recording, which is right
-    only for a shuffled polarity. An effect given as a set that its name is in is not named, and not wrong.
+    in the catalogue, or the listed effect that it is a form of; of another make some of what it shares with
+    that, or "unknown". wrong: a name that is not hidden, an alarm where nothing is. abstained: neither, or
+    refused as a bad recording, which is right only for a shuffled polarity. An effect given as a set that its
+    name is in is not named, and not wrong.
     """
 
     case: Case
@@ -90,7 +91,8 @@ def _outcome(case: Case, verdict: Verdict) -> Outcome:
         return "right" if verdict.verdict == "none" else "wrong"
     named = {one.name for one in verdict.effects}
     if case.make:
-        return "right" if named or verdict.verdict == "unknown" or not truth else "abstained"
+        silent = not truth and verdict.verdict == "none"
+        return "right" if named & set(truth) or verdict.verdict == "unknown" or silent else "abstained"
     if named and named == set(truth):
         return "right"
     may_be_unknown = case.fault or case.sabotage in ("deleted", "shuffled") or case.part == "unlisted"
@@ -119,7 +121,9 @@ def table(found: Sequence[Judged]) -> list[Figure]:
         _rate("wrong name", _are(singles, *bad), most=0.02),
         _rate("alarm without an effect", _are(nulls, *bad), most=0.05, n_asked=NULLS_ASKED),
         _rate("the same, 8 bit at 30 to 100 fps", _are(slow, *bad), most=0.10),
-        _rate('unlisted effect called "unknown"', _are(unlisted, "right"), least=0.90),
+        _rate(
+            'unlisted effect called "unknown", or what it is a form of', _are(unlisted, "right"), least=0.90
+        ),
         _rate("unlisted effect given a wrong name", _are(unlisted, *bad), most=0.05),
         _rate("two effects: both named", _are(pairs, "right"), least=0.60),
         _rate("two effects: no wrong one", _are(pairs, "right", "abstained"), least=0.95),
@@ -220,7 +224,7 @@ TWO_CORES = 0.64
 
 
 def _time(cpu_s: Sequence[float]) -> Figure:
-    what = f"time on two cores, 48 x 36 ({TWO_CORES} of that on one): median"
+    what = f"time to the verdict on two cores, 48 x 36 ({TWO_CORES} of that on one): median"
     return _median(what, "60 s", TWO_CORES * np.array(cpu_s), "{:.0f} s", lambda middle: middle <= 60)
 
 

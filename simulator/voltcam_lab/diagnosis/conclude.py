@@ -10,6 +10,7 @@ from voltcam_simulator import Camera
 from ..battery import COUNTS, LABELS
 from .advice import next_recording
 from .catalogue import TURNS, Asymmetry, Candidate, Lamp
+from .clock import counted_from, later_turns
 from .identify import Identifiability
 from .loop import Diagnosis, Found
 from .model import BASE
@@ -43,7 +44,7 @@ def result_of(session: Session, told: Identifiability, diagnosis: Diagnosis) -> 
     """The result."""
     seen = views(session.rig, diagnosis, session.data)
     first, last = next(iter(seen.values())), [*seen.values()][-1]
-    effects = [_effect(diagnosis, found) for found in diagnosis.found]
+    effects = [_effect(diagnosis, found, session.origin_us) for found in diagnosis.found]
     return Result(
         verdict=diagnosis.verdict,
         sentence=sentence(diagnosis, first, last) + _far_off(diagnosis) + _taken_out(session),
@@ -77,7 +78,8 @@ def result_of(session: Session, told: Identifiability, diagnosis: Diagnosis) -> 
 
 def camera_of(session: Session, diagnosis: Diagnosis) -> Camera:
     """The camera file with what was missing in it, of the recording's size."""
-    return session.camera.model_copy(update={"parameters": diagnosis.model.parameters()})
+    found = counted_from(diagnosis.model.parameters(), -session.origin_us)
+    return session.camera.model_copy(update={"parameters": found})
 
 
 def sentence(diagnosis: Diagnosis, first: View, last: View) -> str:
@@ -128,8 +130,9 @@ def in_words(effect: str) -> str:
     )
 
 
-def intervals(diagnosis: Diagnosis, candidate: Candidate) -> dict[str, Estimate]:
-    """Of an accepted effect's sizes, by its own parameters' names."""
+def intervals(diagnosis: Diagnosis, candidate: Candidate, origin_us: int = 0) -> dict[str, Estimate]:
+    """Of an accepted effect's sizes, by its own parameters' names, on a clock whose zero the diagnosis has at
+    -origin_us."""
     place, model = len(BASE), diagnosis.model
     sizes = next(
         place + sum(len(size) for _, size in model.accepted[:k]) + np.arange(len(candidate.names))
@@ -142,7 +145,8 @@ def intervals(diagnosis: Diagnosis, candidate: Candidate) -> dict[str, Estimate]
     if isinstance(candidate, Asymmetry):  # half of the ratio's logarithm each
         return {name: _around(getattr(effect, name), float(sd[0]) / 2) for name in ("theta_on", "theta_off")}
     if isinstance(candidate, Lamp):
-        turns, off = effect.phase_turns, _90 * TURNS * float(sd[1])
+        turns = later_turns(effect.phase_turns, effect.frequency_hz, -origin_us)
+        off = _90 * TURNS * float(sd[1])
         phase = Estimate(value=turns, low=turns - off, high=turns + off)
         return {"depth": _around(effect.depth, float(sd[0])), "phase_turns": phase}
     return {
@@ -156,11 +160,11 @@ def _around(value: float, sd: float) -> Estimate:
     return Estimate(value=value, low=ends[0], high=ends[1])
 
 
-def _effect(diagnosis: Diagnosis, found: Found) -> Effect:
+def _effect(diagnosis: Diagnosis, found: Found, origin_us: int) -> Effect:
     before, after = found.step, diagnosis.after(found)
     return Effect(
         name=found.effect,
-        parameters=intervals(diagnosis, found.trial.candidate),
+        parameters=intervals(diagnosis, found.trial.candidate, origin_us),
         gap_before=before.held_out,
         gap_after=after.held_out,
         gap_floor=after.floor_held_out,

@@ -7,7 +7,7 @@ is. In a preset it may be a guess: half a noise pair a second from each pixel of
 from voltcam_simulator import Camera, Parameters
 
 from .loop import Report
-from .model import Model, flat, spread_of
+from .model import flat, spread_of
 from .robust import gap
 from .search import base_fitted
 from .session import Session
@@ -41,6 +41,6 @@ def without_excess(session: Session, report: Report) -> Camera | None:
 
 def _gap(session: Session, parameters: Parameters) -> float:
     """What is left of it in the training parts, base parameters fitted."""
-    model = base_fitted(session.rig, Model(parameters), session.data)
+    model = base_fitted(session.rig, session.model_of(parameters), session.data)
     spread = spread_of(session.rig, model, COARSE)
     return gap(flat((session.data - spread.mean) / spread.v))

@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .catalogue import Candidate
-from .model import BASE, Model, flat
+from .model import Model, flat
 from .precise import precise
 from .proof import UNNAMED, explain_together, explains, nearer, rivals_of, standing, worth_adding
 from .refit import refitted
 from .rig import Rig, Values
-from .robust import gap
 from .search import Step, base_fitted, step_of
 from .trial import FITTING, Trial
 from .unlisted import Residual, residual_of, residual_step
@@ -22,7 +21,8 @@ Verdict = Literal["effects", "none", "unknown"]
 Report = Callable[[str], None]
 
 OPEN = 0.25  # of the gap over its floor: what frames may leave open without anything missing
-DEEPEST = 4  # effects
+DEEPEST = 4  # effects, from which no more are looked for
+NOTHING = 0.05  # of an effect, as strong as it was when it was added
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,9 +61,15 @@ class Diagnosis:
 
 
 def diagnose(
-    rig: Rig, data: Values, model: Model, candidates: Sequence[Candidate], report: Report
+    rig: Rig,
+    data: Values,
+    model: Model,
+    candidates: Sequence[Candidate],
+    report: Report,
+    whole: bool = True,
 ) -> Diagnosis:
-    """Search what the model lacks to explain `data` (what the battery saw, as `Rig.observe` gives it)."""
+    """Search what the model lacks to explain `data` (what the battery saw, as `Rig.observe` gives it). whole:
+    whether the rig has all columns of the sensor."""
     report("Fitting the base parameters of the camera.")
     step = step_of(rig, base_fitted(rig, model, data), data, candidates)
     report(_sentence(step))
@@ -74,7 +80,7 @@ def diagnose(
         chain = _explained(rig, data, candidates, [*steps], trial, report)
         if chain is None:
             break
-        nameless = _nameless(rig, data, step, chain, report)
+        nameless = _nameless(rig, data, step, chain, report, whole)
         if nameless is not None:
             break
         for one, after in chain:
@@ -89,14 +95,19 @@ def diagnose(
     if kept:
         sure = precise(rig, step.model, step.screen.spread, data)
         model, covariance = sure.model, sure.covariance
-    residual = _residual(rig, data, step, nameless, report) if step.excess > OPEN else None
+    residual = _residual(rig, data, step, nameless, report, whole) if step.excess > OPEN else None
     if residual is not None:
         model = residual.model
     return Diagnosis(verdict, tuple(kept), model, tuple(steps), covariance, residual)
 
 
 def _nameless(
-    rig: Rig, data: Values, before: Step, chain: Sequence[tuple[Found, Step]], report: Report
+    rig: Rig,
+    data: Values,
+    before: Step,
+    chain: Sequence[tuple[Found, Step]],
+    report: Report,
+    whole: bool,
 ) -> Step | None:
     """The step at which a drift or noise of no name is nearer than effects that explain a gap but leave
     some of it; None where none is."""
@@ -104,7 +115,7 @@ def _nameless(
     if after.excess <= UNNAMED:
         return None
     report("Not all is explained: would a drift or a noise that nobody has a name for explain more?")
-    opened = residual_step(rig, before.model, data)
+    opened = residual_step(rig, before.model, data, whole)
     proven = standing(opened)
     return opened if proven and nearer(before, proven[0], last.trial) else None
 
@@ -122,19 +133,21 @@ def _drop_needless(
     for one in [*found]:
         step, index = steps[-1], found.index(one)
         report(f"Is {one.effect} needed, now that there is more?")
-        v = step.screen.spread.v
-        model, mean = refitted(rig, step.model.without(index), data, v, FITTING, rounds=2)
-        z = flat((data - mean) / v)
-        if len(found) > 1 and z.size * (gap(z) - step.training) < step.least:
+        bare = step.model.without(index)
+        model, _ = refitted(rig, bare, data, step.screen.spread.v, FITTING, rounds=2)
+        without = step_of(rig, model, data, _left(candidates, model), steps[0])
+        if len(found) > 1 and flat(data).size * (without.training - step.training) < step.least:
             found.remove(one)
-            steps.append(step_of(rig, model, data, _left(candidates, model), steps[0]))
-            report(_sentence(steps[-1]))
+            steps.append(without)
+            report(_sentence(without))
 
 
-def _residual(rig: Rig, data: Values, step: Step, opened: Step | None, report: Report) -> Residual | None:
+def _residual(
+    rig: Rig, data: Values, step: Step, opened: Step | None, report: Report, whole: bool
+) -> Residual | None:
     report("No listed effect explains what is left: looking for a drift or a noise that does.")
     if opened is None or opened.model is not step.model:
-        opened = residual_step(rig, step.model, data)
+        opened = residual_step(rig, step.model, data, whole)
     proven = standing(opened)
     if not proven:
         return None
@@ -178,11 +191,10 @@ def _left(candidates: Sequence[Candidate], model: Model) -> list[Candidate]:
 
 def _needed(found: list[Found], model: Model) -> list[Found]:
     """Effects whose fitted size is not next to nothing."""
-    kept, place = [], len(BASE)
-    for one, (_, size) in zip(found, model.accepted, strict=True):
-        if np.exp(model.shift[place]) > 0.05:
+    kept = []
+    for one, (candidate, began), now in zip(found, model.accepted, model.sizes(), strict=True):
+        if candidate.times(now) > NOTHING * candidate.times(began):
             kept.append(one)
-        place += len(size)
     return kept
 
 

@@ -25,8 +25,8 @@ BASE = (
 LEAST = {"k3": 1e-6, "k4_per_us": 5e-10, "k5_per_dn_us": 1e-12, "k6": 5e-7}
 """Too little to show in a recording of seconds. A camera file may have less, or nothing: of that, no share
 more would be anything."""
-BASE_SD = 0.5  # of the logarithm of a base parameter about what the camera file says
-SIZE_SD = 1.5  # of an effect's size about the one it was found with
+BASE_SD = 0.5  # of the logarithm of a base parameter about where a fit begins, at first the camera file
+SIZE_SD = 1.5  # of an effect's size about the same
 STEP, WIDE_STEP = 0.15, 0.5  # of a logarithm, half to each side, for derivatives by runs with common noise
 SHARP = ("k1", "k2_dn", "k5_per_dn_us")
 """What these do bends within a STEP; what others do, and effects, is lost in its noise."""
@@ -59,8 +59,13 @@ class Model:
         return {
             name: float(np.exp(log))
             for (_, name), log in zip(BASE, self.shift, strict=False)
-            if name in SHARP and abs(log) > ANOTHER_CAMERA
+            if name in SHARP and abs(log) > ANOTHER_CAMERA and self._has(name)
         }
+
+    def _has(self, name: str) -> bool:
+        """Whether the camera file has enough of a base parameter for a share more to be anything."""
+        effect = next(effect for effect, one in BASE if one == name)
+        return bool(getattr(getattr(self.start, effect), name) >= LEAST.get(name, 0.0))
 
     @property
     def astray(self) -> bool:

@@ -69,7 +69,9 @@ def _cards(result: Result) -> list[tuple[str, str, str]]:
 
 def _gaps(diagnosis: Diagnosis) -> Markup:
     steps = {"camera file, base fitted": diagnosis.steps[0]}
-    steps |= {f"+ {in_words(one.effect)}": diagnosis.after(one) for one in diagnosis.found}
+    for one in diagnosis.found:
+        name = f"+ {in_words(one.effect)}"
+        steps[f"{name}, more of it" if name in steps else name] = diagnosis.after(one)
     gaps = {name: (step.held_out, step.floor_held_out) for name, step in steps.items()}
     if diagnosis.residual is not None:
         gaps["+ a term of unknown origin"] = (diagnosis.residual.trial.held_out, [*gaps.values()][-1][1])
@@ -160,7 +162,8 @@ def _from_battery(rig: Rig, data: Values, models: dict[str, View]) -> list[tuple
     return [
         ("Rates by brightness and speed", figure(
             figures_battery.rate_surface(series, setting),
-            "Measured, events per pixel and second; models as a multiple: blue too few, red too many.")),
+            "Measured, events per pixel and second, where light is known between frames;"
+            " models as a multiple: blue too few, red too many.")),
         ("Intervals", figure(
             figures_battery.interval_counts(series), "Time between two events of a pixel.")),
         ("Response in time", figure(

@@ -87,7 +87,7 @@ class Detectable(_Record):
 
 
 class Identifiable(_Record):
-    """What the recording can tell at all, found before its events were looked at."""
+    """What the recording can tell at all, found by simulation before anything is fitted to it."""
 
     base: list[Known]
     effects: list[Detectable]

@@ -1,6 +1,6 @@
 """A recording made ready for diagnosis: what of it is looked at, and all that the search asks for."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,20 +16,18 @@ from ..health import Finding, Health, examine
 from ..light_between import calm, frame_noise2
 from ..scene import Scene, scene_of
 from .catalogue import Asymmetry, Candidate, catalogue
+from .clock import counted_from, origin_us
 from .clues import clues, in_step
 from .model import Model
+from .part import MOST_SAMPLES, cut, in_columns, sample
 from .rig import Values
 from .stored import StoredRig
 
-MOST_SAMPLES = 3_500_000  # pixels x frames, all of 60 x 60 pixels for 10 s at 100 frames/s
-MOST_EVENTS = 200_000
-MOST_STEPS = 15_000_000  # pixels x steps that effects of the camera file ask the simulator for
 MOST_SECONDS = 10.0
-FEWEST_FRAMES = 10
+FEWEST_FRAMES, FEWEST_EVENTS = 10, 200
 LONGEST_WAIT_US = 100_000  # of events before a readout that is too slow
 NOISY_DN2 = 0.15  # variance: rounding has 1/12
 _TRUSTED = 0.9
-_CLOCK_US = 4_032_000  # a multiple of all ticks a camera may have: stamps stay as divisible as they are
 
 
 class DiagnosisError(ValueError):
@@ -43,6 +41,7 @@ class Session:
     recording: of the sample only, x counted in `columns` (those of the sensor that it has). camera: as given,
     of the recording's size. left_out: effects that are in the camera file, or cannot show in the sample.
     taken_out: effects that were in the file, not in `camera`: without them the recording is better explained.
+    origin_us: where the clock of all this begins, on that of the recording and of camera files.
     """
 
     name: str
@@ -55,12 +54,17 @@ class Session:
     candidates: tuple[Candidate, ...]
     left_out: tuple[str, ...]
     seed: int
+    origin_us: int
     taken_out: tuple[str, ...] = ()
 
     @property
     def model(self) -> Model:
         """Where the search starts."""
-        return Model(self.camera.parameters)
+        return self.model_of(self.camera.parameters)
+
+    def model_of(self, parameters: Parameters) -> Model:
+        """A camera file's parameters."""
+        return Model(counted_from(parameters, self.origin_us))
 
     @property
     def seconds(self) -> float:
@@ -68,16 +72,26 @@ class Session:
         t_us = self.rig.setting.scene.t_us
         return float(t_us[-1] - t_us[0]) * 1e-6
 
+    @property
+    def whole(self) -> bool:
+        """Whether all columns of the sensor are looked at."""
+        return len(self.columns) == self.camera.width
+
     def looked_at(self) -> str:
         """In words."""
         shown, height, all_columns = len(self.columns), self.recording.height, self.camera.width
-        pixels = f"all {shown} x {height} pixels" if shown == all_columns else (
+        pixels = f"all {shown} x {height} pixels" if self.whole else (
             f"{shown} of {all_columns} columns ({_spans(self.columns)}), all {height} rows"
         )  # fmt: skip
         return (
             f"{self.seconds:.2f} s, {pixels}, {len(self.recording.events)} events,"
-            f" {len(self.rig.setting.frame_t_us)} frames"
+            f" {len(self.rig.setting.frame_t_us)} frames{self._known()}"
         )
+
+    def _known(self) -> str:
+        events = self.recording.events
+        share = len(self.rig.in_trusted_light(events)) / len(events)
+        return "" if share > 0.95 else f"; {share:.0%} of the events are where light is known between frames"
 
 
 def session_of(
@@ -93,86 +107,39 @@ def session_of(
     fatal = [finding for finding in health.fatal if not _may_wait(finding)]
     if fatal:
         raise DiagnosisError(f"{name}: {'; '.join(finding.words for finding in fatal)}")
-    recording = cut(recording, seconds)
+    origin, recording = origin_us(recording), cut(recording, seconds)
     if recording.frames is None or recording.frame_t_us is None or len(recording.frames) < FEWEST_FRAMES:
         raise DiagnosisError(
             f"{name} has fewer than {FEWEST_FRAMES} frames in {seconds:g} s: give more of it"
         )
+    if not len(recording.events):
+        raise DiagnosisError(f"{name} has no events while there are frames: are both on one clock?")
     camera = camera.model_copy(update={"width": recording.width, "height": recording.height})
-    columns = sample(recording, most_samples, camera.parameters.longest_step_us)
+    parameters = counted_from(camera.parameters, origin)
+    columns = sample(recording, most_samples, parameters.longest_step_us)
     scene = seen(recording.frames, recording.frame_t_us, columns)
     part = in_columns(recording, columns)
-    if not len(part.events):
-        raise DiagnosisError(f"{name} has no events while there are frames: are both on one clock?")
-    setting = setting_of(scene, recording.frame_t_us, None, recording.exposure_us, camera.parameters)
+    setting = setting_of(scene, recording.frame_t_us, None, recording.exposure_us, parameters)
     rig = StoredRig(setting, folder, seed, processes=processes)
+    known = len(rig.in_trusted_light(part.events))
+    if known < FEWEST_EVENTS:
+        raise DiagnosisError(
+            f"{name}: of {len(part.events)} events {known} are where the light between frames is known: take "
+            "frames more often, or move slower"
+        )
     row_us = health["row readout"].numbers["us_per_row"]
     wanted: list[Candidate] = []
     left_out: list[Candidate] = []
     for one in catalogue(clues(setting, part.events, row_us)):
         off_axis = one.effect == "vignetting" and len(columns) < recording.width
-        off = off_axis or _is_on(one, camera.parameters)
+        off = off_axis or _is_on(one, parameters)
         if one.effect == "flicker" and not off:
-            one = in_step(rig, camera.parameters, one, part.events)
+            one = in_step(rig, parameters, one, part.events)
         (left_out if off else wanted).append(one)
     return Session(
         name, part, camera, health, columns, rig, rig.observe(part.events), tuple(wanted),
-        tuple(dict.fromkeys(one.effect for one in left_out)), seed,
+        tuple(dict.fromkeys(one.effect for one in left_out)), seed, origin,
     )  # fmt: skip
-
-
-def cut(recording: Recording, seconds: float) -> Recording:
-    """The first seconds of it, events between its first and last frame, on a clock that begins near there."""
-    assert recording.frame_t_us is not None
-    assert recording.frames is not None
-    origin_us = recording.frame_t_us[0] // _CLOCK_US * _CLOCK_US
-    kept = recording.frame_t_us <= recording.frame_t_us[0] + seconds * 1e6
-    frame_t_us, t_us = recording.frame_t_us[kept], recording.events["t"]
-    events = recording.events[(t_us >= frame_t_us[0]) & (t_us <= frame_t_us[-1])].copy()
-    events["t"] -= origin_us
-    exposure_us = recording.exposure_us
-    return replace(
-        recording,
-        frames=recording.frames[kept],
-        frame_t_us=frame_t_us - origin_us,
-        exposure_us=None if exposure_us is None else exposure_us[kept] - origin_us,
-        events=events,
-    )
-
-
-def sample(recording: Recording, most_samples: int, step_us: float = np.inf) -> NDArray[np.int64]:
-    """Columns to look at, ascending: all, or two strips, where light changes most and where it does little.
-
-    As many as samples of light (pixels x frames), MOST_EVENTS, and MOST_STEPS of step_us allow. Rows are kept
-    whole and complete, since readout goes by rows.
-    """
-    assert recording.frames is not None
-    assert recording.frame_t_us is not None
-    steps = recording.frames[0].size * float(np.ptp(recording.frame_t_us)) / step_us
-    share = min(
-        most_samples / recording.frames.size,
-        MOST_EVENTS / max(len(recording.events), 1),
-        MOST_STEPS / max(steps, 1.0),
-    )
-    wide = max(6, int(share * recording.width / 2))
-    if share >= 1 or 3 * wide > recording.width:  # nearly all: then all
-        return np.arange(recording.width)
-    grey = recording.frames[:: max(1, len(recording.frames) // 50)].astype(np.float32)
-    change = np.abs(np.diff(np.log(grey + 20), axis=0)).mean(axis=(0, 1))
-    strips = change[: recording.width // wide * wide].reshape(-1, wide).mean(axis=1)
-    order = np.argsort(-strips, kind="stable")
-    chosen = sorted({int(order[0]), int(order[max(1, len(order) * 2 // 3)])})
-    return np.concatenate([np.arange(wide) + wide * strip for strip in chosen])
-
-
-def in_columns(recording: Recording, columns: NDArray[np.int64]) -> Recording:
-    """The recording of a sensor that has only these columns."""
-    place = np.full(recording.width, -1)
-    place[columns] = np.arange(len(columns))
-    events = recording.events[place[recording.events["x"]] >= 0].copy()
-    events["x"] = place[events["x"]]
-    assert recording.frames is not None
-    return replace(recording, events=events, frames=recording.frames[:, :, columns], width=len(columns))
 
 
 def seen(frames: NDArray[Any], t_us: NDArray[np.int64], columns: NDArray[np.int64]) -> Scene:
@@ -199,10 +166,13 @@ def _may_wait(finding: Finding) -> bool:
 
 
 def _is_on(candidate: Candidate, parameters: Parameters) -> bool:
-    if isinstance(candidate, Asymmetry):
+    """Whether the file has what the candidate would change."""
+    effect = getattr(parameters, candidate.effect)
+    if isinstance(candidate, Asymmetry) or not effect.active:
         return False
-    effect, name = getattr(parameters, candidate.effect), candidate.names[0]
-    return bool(effect.active and getattr(effect, name) != type(effect).model_fields[name].default)
+    off = type(effect)()
+    own = any(getattr(effect, name) != getattr(off, name) for name in candidate.names)
+    return own or bool(candidate.others)
 
 
 def _spans(columns: NDArray[np.int64]) -> str:

@@ -4,6 +4,7 @@ import hashlib
 import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError, ThreadPoolExecutor, as_completed
+from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
 
@@ -103,11 +104,13 @@ class StoredRig(Rig):
             workers.end()
 
     def forget(self) -> None:
-        """Let the workers go, and remove what is on disk."""
+        """Let the workers go, and remove what they and this have put on disk; the folder, if that was all."""
         self.end()
-        for path in self._folder.glob("*"):
-            path.unlink(missing_ok=True)
-        self._folder.rmdir()
+        for pattern in ("*.npy", "*.partial", "*.arrays"):
+            for path in self._folder.glob(pattern):
+                path.unlink(missing_ok=True)
+        with suppress(OSError):
+            self._folder.rmdir()
 
 
 def _digest(setting: Setting) -> str:

@@ -129,7 +129,8 @@ class Bench:
 
     def _start(self, trial: Trial) -> Model:
         one, found = trial.candidate, trial.model.sizes()[-1]
-        nearest = min(one.sizes, key=lambda size: abs(np.log(np.abs(size[0] / found[0]))))
+        alike = [size for size in one.sizes if size[0] * found[0] > 0]  # a fit does not change the sign
+        nearest = min(alike, key=lambda size: abs(np.log(size[0] / found[0])))
         return self.screen.model.with_effect(one, nearest)
 
 

@@ -30,9 +30,9 @@ class Residual:
         return self.trial.model
 
 
-def forms(parameters: Parameters) -> tuple[Candidate, ...]:
+def forms(parameters: Parameters, whole: bool = True) -> tuple[Candidate, ...]:
     """Drifts and noises as powers of brightness, drifts that grow over the image; of about the size of what
-    is there already."""
+    is there already. whole: of all columns; what grows across them cannot be seen in strips."""
     leak = parameters.junction_leak.k4_per_us + 128 * parameters.parasitic_photocurrent.k5_per_dn_us
     sigma = parameters.photon_noise.k3 * 128**0.5 / 148 + parameters.leak_noise.k6
     sizes = [way * size * leak for size in LEAKS for way in (1, -1)]
@@ -43,7 +43,7 @@ def forms(parameters: Parameters) -> tuple[Candidate, ...]:
     edges = tuple((size / STEEP,) for size in sizes)
     slopes = [
         Candidate("residual_drift", ("per_us",), edges, {"power": 0.0, name: STEEP})
-        for name in ("across", "down")
+        for name in (("across", "down") if whole else ("down",))
     ]
     noises = [
         Candidate("residual_noise", ("variance_per_us",), ((4 * sigma**2,),), {"power": power})
@@ -52,9 +52,9 @@ def forms(parameters: Parameters) -> tuple[Candidate, ...]:
     return (*drifts, *slopes, *noises)
 
 
-def residual_step(rig: Rig, model: Model, data: Values) -> Step:
+def residual_step(rig: Rig, model: Model, data: Values, whole: bool = True) -> Step:
     """A step of the search over the forms instead of the catalogue."""
-    return step_of(rig, model, data, forms(model.parameters()))
+    return step_of(rig, model, data, forms(model.parameters(), whole))
 
 
 def residual_of(step: Step, proven: Trial) -> Residual:

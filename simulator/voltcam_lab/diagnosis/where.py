@@ -85,7 +85,8 @@ def ranked(view: View, data: Values) -> Ranked:
     z = (measured - expected) / v
     q = false_discovery_control(2 * t.sf(np.abs(z), len(twins) - 1))
     low, middle, high = (_difference(measured + k * _90 * v, expected) for k in (-1, 0, 1))
-    return Ranked(PARTS * numbers(measured), PARTS * numbers(expected), z, q, middle, low, high)
+    seen, told = (numbers(values).sum(axis=0) for values in (data, view.expected))
+    return Ranked(seen, told, z, q, middle, low, high)
 
 
 def gap_by_group(view: View, data: Values) -> dict[str, tuple[float, float]]:

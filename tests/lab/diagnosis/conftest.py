@@ -64,7 +64,7 @@ def quick() -> Iterator[pytest.MonkeyPatch]:
 
 @pytest.fixture(scope="session")
 def done(tiny: Recording, quick: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> Done:
-    folder = tmp_path_factory.mktemp("done") / ".cache"
+    folder = tmp_path_factory.mktemp("done") / ".voltcam-runs"
     session = session_of(tiny, Camera.load("paper"), folder, name="tiny.npz")
     sentences: list[str] = []
     told = identify(session.rig, session.model, session.candidates, FEW_TWINS)

@@ -7,7 +7,7 @@ import pytest
 
 from voltcam_lab.diagnosis.catalogue import SCALED, Asymmetry, Candidate, Clues, Lamp, Warming, catalogue
 from voltcam_lab.diagnosis.model import Model
-from voltcam_lab.diagnosis.unlisted import forms
+from voltcam_lab.diagnosis.unlisted import STEEP, forms
 from voltcam_simulator import Parameters
 from voltcam_simulator.effects import EFFECTS
 
@@ -129,6 +129,12 @@ def test_drifts_are_tried_either_way_below_and_above_the_leak() -> None:
             most = [one.per_us * max(1, one.across, one.down) / leak for one in found]
             ways_and_sizes = {(size > 0, abs(size) > 1) for size in most}
             assert ways_and_sizes == {(True, True), (True, False), (False, True), (False, False)}
+
+
+def test_across_the_image_nothing_is_looked_for_in_strips_of_it() -> None:
+    start = Parameters.of("paper")
+    of_strips = forms(start, whole=False)
+    assert [one.others for one in forms(start) if one not in of_strips] == [{"power": 0.0, "across": STEEP}]
 
 
 @pytest.mark.parametrize("axis", ["across", "down"])

@@ -49,12 +49,12 @@ def test_interrupted_and_resumed_it_gives_the_same_result(
     monkeypatch.setattr(Rig, "run", interrupted)
     assert diagnose(tiny_path, "--camera", "paper", "--out", out) == 130
     assert "goes on from there" in capsys.readouterr().err
-    kept = len(list((out / ".cache").glob("*.npy")))
+    kept = len(list((out / ".voltcam-runs").glob("*.npy")))
     assert kept >= 50
     assert not (out / "result.json").exists()
 
     assert diagnose(tiny_path, "--camera", "paper", "--out", out) == 0
-    assert not (out / ".cache").exists()
+    assert not (out / ".voltcam-runs").exists()
     said = capsys.readouterr().out
     result = Result.model_validate_json((out / "result.json").read_text())
     straight = result_of(done.session, done.told, done.diagnosis)

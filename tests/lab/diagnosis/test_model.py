@@ -38,6 +38,13 @@ def test_chance_leaves_of_a_twin_that_is_left_out_what_it_leaves_of_a_new_one() 
     assert within < 0.92 * np.mean(new)
 
 
+def test_a_camera_file_without_a_leak_is_not_one_of_another_camera() -> None:
+    """It has nothing to be so many times of; one with a leak is."""
+    far = (0.0, 0.0, 0.0, 0.0, 2.0, 0.0)
+    assert Model(START, (), far).far_off == {"k5_per_dn_us": pytest.approx(np.exp(2))}
+    assert not Model(Parameters.of("ideal"), (), far).far_off
+
+
 def bent(parameters: Parameters) -> Values:
     k1 = logs(parameters)[0]
     return 100 + (3 * k1 + 40 * k1**2) * PATTERNS[0]

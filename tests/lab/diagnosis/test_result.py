@@ -71,6 +71,11 @@ def test_strata_are_ranked_and_their_intervals_hold_the_effect(result: Result) -
     assert all(one.effect.value < -0.5 for one in holes)
 
 
+def test_counts_are_numbers_of_events(done: Done, result: Result) -> None:
+    measured = {one.statistic + str(one.strata): one.measured for one in result.where if one.unit == "share"}
+    assert all(abs(number - round(number)) < 1e-6 for number in measured.values())
+
+
 def test_json_is_read_back_as_it_was(result: Result) -> None:
     text = result.model_dump_json()
     assert Result.model_validate_json(text) == result

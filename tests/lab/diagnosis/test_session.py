@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from voltcam_client.formats import Recording
+from voltcam_lab.diagnosis.part import cut, sample
 from voltcam_lab.diagnosis.rig import Rig
-from voltcam_lab.diagnosis.session import DiagnosisError, cut, sample, session_of
+from voltcam_lab.diagnosis.session import DiagnosisError, session_of
 from voltcam_lab.diagnosis.stored import StoredRig
 from voltcam_simulator import EVENT, Camera, Parameters
 
@@ -51,6 +52,34 @@ def test_events_that_may_have_queued_are_looked_at(tiny: Recording, tmp_path: Pa
     assert session.data.any()
 
 
+def test_a_camera_that_gives_no_events_yet_is_not_silent(tiny: Recording) -> None:
+    t_us = tiny.events["t"]
+    for kept in (t_us > 500_000, t_us < 1_500_000):
+        part = cut(replace(tiny, events=tiny.events[kept]), 10)
+        assert part.frame_t_us is not None
+        assert part.frames is not None
+        assert len(part.frames) == len(part.frame_t_us)
+        assert len(part.events) == kept.sum()
+        begin, end = part.events["t"][0] - part.frame_t_us[0], part.frame_t_us[-1] - part.events["t"][-1]
+        assert 0 <= min(begin, end) <= np.diff(part.frame_t_us).max()
+        assert np.ptp(part.frame_t_us) == pytest.approx(1_500_000, abs=10_000)
+
+
+def test_light_that_is_known_nowhere_tells_nothing(tiny: Recording, tmp_path: Path) -> None:
+    """Each frame is another picture: between them there may have been anything."""
+    assert tiny.frames is not None
+    assert tiny.frame_t_us is not None
+    noise = np.random.default_rng(1).integers(0, 255, (40, *tiny.frames.shape[1:]), np.uint8)
+    other = replace(tiny, frames=noise, frame_t_us=np.arange(40) * 50_000)
+    assert "events 0 are where the light between frames is known" in refused_after(other, tmp_path)
+
+
+def refused_after(recording: Recording, folder: Path) -> str:
+    with pytest.raises(DiagnosisError) as caught:
+        session_of(recording, PAPER, folder, name="bad.npz")
+    return str(caught.value)
+
+
 def test_a_session_has_the_recording_s_size_and_looks_at_all_of_a_small_sensor(
     tiny: Recording, tmp_path: Path
 ) -> None:
@@ -67,6 +96,49 @@ def test_effects_of_the_camera_file_are_not_searched(tiny: Recording, tmp_path: 
     assert "refractory_period" in session.left_out
     assert "refractory_period" not in {one.effect for one in session.candidates}
     assert "comparator" in {one.effect for one in session.candidates}
+
+
+@pytest.mark.parametrize(
+    ("in_file", "not_searched"),
+    [
+        ({"latency": {"jitter_us": 200}}, {("delay_us", "jitter_us")}),
+        (
+            {"aps_coupling": {"reset_kick": 0.05}},
+            {
+                ("exposure_kick",),
+                ("readout_kick", "reset_kick"),
+                ("exposure_kick", "readout_kick", "line_us"),
+            },
+        ),
+    ],
+)
+def test_what_the_file_has_of_an_effect_is_not_written_over(
+    tiny: Recording, tmp_path: Path, in_file: dict[str, dict[str, float]], not_searched: set[tuple[str, ...]]
+) -> None:
+    (effect,) = in_file
+    camera = PAPER.model_copy(update={"parameters": PAPER.parameters.changed(in_file)})
+    all_names, names = (
+        {one.names for one in session_of(tiny, each, tmp_path).candidates if one.effect == effect}
+        for each in (PAPER, camera)
+    )
+    assert all_names - names == not_searched
+
+
+def test_what_is_in_step_with_the_recording_s_clock_is_found_and_written_on_it(
+    tiny: Recording, tmp_path: Path
+) -> None:
+    assert tiny.frame_t_us is not None
+    late = 4_032_000
+    events = tiny.events.copy()
+    events["t"] += late
+    later = replace(tiny, events=events, frame_t_us=tiny.frame_t_us + late)
+    lit = PAPER.parameters.changed({"flicker": {"depth": 0.05, "phase_turns": 0.1}})
+    camera = PAPER.model_copy(update={"parameters": lit})
+    here, there = (session_of(one, camera, tmp_path) for one in (tiny, later))
+    assert (here.origin_us, there.origin_us) == (0, late)
+    assert here.model.start == lit
+    turns = there.model.start.flicker.phase_turns
+    assert turns == pytest.approx(0.3)  # 403.2 periods later
 
 
 def test_of_a_large_sensor_strips_of_whole_columns_are_looked_at(tiny: Recording, tmp_path: Path) -> None:
@@ -133,8 +205,9 @@ def test_runs_are_kept_and_a_broken_one_is_made_anew(
     assert len(made) == 8
     session.rig.run(parameters, SEEDS, apart=True)
     assert len(made) == 10
+    (tmp_path / "runs" / "diary.txt").touch()
     session.rig.forget()
-    assert not (tmp_path / "runs").exists()
+    assert [path.name for path in (tmp_path / "runs").iterdir()] == ["diary.txt"]
 
 
 def test_progress_tells_of_each_batch_and_run(tiny: Recording, tmp_path: Path) -> None:

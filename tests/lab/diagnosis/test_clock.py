@@ -1,0 +1,47 @@
+"""What is in step with the clock, on a clock that begins elsewhere."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from voltcam_lab.diagnosis.clock import counted_from, later_turns
+from voltcam_simulator import Parameters, Simulator
+
+ORIGIN_US = 3 * 4_032_000
+LAMP = {"flicker": {"frequency_hz": 120, "depth": 0.2, "phase_turns": 0.3}}
+READOUT = {"aps_coupling": {"frame_period_us": 25_000.5, "offset_us": 700, "exposure_kick": 0.3}}
+
+
+def seen_from(parameters: Parameters, t_us: int) -> NDArray[np.void]:
+    simulator = Simulator(8, 8, parameters, seed=1)
+    simulator.advance(np.full((8, 8), 100, np.uint8), t_us)
+    events = simulator.advance(np.full((8, 8), 110, np.uint8), t_us + 500_000)
+    events["t"] -= t_us
+    return events
+
+
+@pytest.mark.parametrize("effect", [LAMP, READOUT])
+def test_a_camera_sees_the_same_with_the_clock_counted_from_elsewhere(
+    effect: dict[str, dict[str, float]],
+) -> None:
+    parameters = Parameters().changed(effect)
+    there = seen_from(parameters, ORIGIN_US)
+    assert len(there) > 50
+    moved = counted_from(parameters, ORIGIN_US)
+    here = seen_from(moved, 0)
+    assert len(here) == len(there)
+    assert np.abs(here["t"] - there["t"]).max() <= 1
+    assert len(seen_from(parameters, 0)) != len(there) or (seen_from(parameters, 0)["t"] != there["t"]).any()
+    back = counted_from(moved, -ORIGIN_US)
+    assert back.flicker.phase_turns == pytest.approx(parameters.flicker.phase_turns)
+    assert back.aps_coupling.offset_us == pytest.approx(parameters.aps_coupling.offset_us)
+
+
+def test_what_is_not_in_step_stays() -> None:
+    parameters = Parameters.of("davis346")
+    assert counted_from(parameters, ORIGIN_US) is parameters
+
+
+def test_turns_are_the_nearest() -> None:
+    assert later_turns(0.2, 100, 4_000) == pytest.approx(-0.4)
+    assert later_turns(0.2, 100, -10_000) == pytest.approx(0.2)
