@@ -4,6 +4,7 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 import pytest
@@ -48,15 +49,16 @@ def make_frame(seq: int) -> FrameMessage:
 
 
 class Publisher:
-    """Publishes at a free port, or at `port`."""
+    """Publishes at a free port of a host, or at `port`."""
 
-    def __init__(self, port: int = 0, queue_length: int = 1000) -> None:
+    def __init__(self, port: int = 0, queue_length: int = 1000, host: str = "127.0.0.1") -> None:
         self._socket = zmq.Context.instance().socket(zmq.XPUB)
         self._subscriptions: Counter[bytes] = Counter()  # seen and not yet waited for
         self._socket.linger = 0
         self._socket.sndhwm = queue_length
         self._socket.xpub_verboser = True
-        self._bind(f"tcp://127.0.0.1:{port or '*'}")
+        self._socket.ipv6 = ":" in host
+        self._bind(f"tcp://{host}:{port or '*'}")
         self.url = self._socket.last_endpoint.decode()
         self.port = int(self.url.rpartition(":")[2])
 
@@ -105,7 +107,7 @@ def publish() -> Iterator[Callable[..., Publisher]]:
     """publish(port=0, queue_length=1000): a Publisher, closed after the test."""
     publishers: list[Publisher] = []
 
-    def make(**options: int) -> Publisher:
+    def make(**options: Any) -> Publisher:
         publishers.append(Publisher(**options))
         return publishers[-1]
 

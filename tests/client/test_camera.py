@@ -2,6 +2,7 @@
 
 import asyncio
 import gc
+import socket
 import subprocess
 import sys
 import time
@@ -28,6 +29,18 @@ def test_packets_arrive_as_they_were_sent(publisher: Any, make_packet: Any) -> N
             if received.seq == 2:
                 break
         assert (camera.lost_packets, camera.restarts) == (0, 0)
+
+
+def test_a_daemon_may_be_at_an_ipv6_address(publish: Any, make_packet: Any) -> None:
+    try:
+        socket.create_server(("::1", 0), family=socket.AF_INET6).close()
+    except OSError:
+        pytest.skip("this machine has no IPv6")
+    there = publish(host="[::1]")
+    with EventCamera(there.url, timeout_s=10) as camera:
+        there.wait_for_subscribers()
+        there.send(make_packet(3))
+        assert next(camera).seq == 3
 
 
 def test_gaps_in_seq_are_lost_packets_and_a_seq_that_goes_back_is_a_restart(
