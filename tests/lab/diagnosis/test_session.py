@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from voltcam_client.formats import Recording
+from voltcam_lab.diagnosis.catalogue import catalogue
 from voltcam_lab.diagnosis.part import cut, sample
 from voltcam_lab.diagnosis.rig import Rig
 from voltcam_lab.diagnosis.session import DiagnosisError, session_of
@@ -113,8 +114,13 @@ def test_effects_of_the_camera_file_are_not_searched(tiny: Recording, tmp_path: 
     ],
 )
 def test_what_the_file_has_of_an_effect_is_not_written_over(
-    tiny: Recording, tmp_path: Path, in_file: dict[str, dict[str, float]], not_searched: set[tuple[str, ...]]
+    tiny: Recording,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    in_file: dict[str, dict[str, float]],
+    not_searched: set[tuple[str, ...]],
 ) -> None:
+    monkeypatch.setattr("voltcam_lab.diagnosis.session.catalogue", catalogue)  # all of it
     (effect,) = in_file
     camera = PAPER.model_copy(update={"parameters": PAPER.parameters.changed(in_file)})
     all_names, names = (
