@@ -24,7 +24,7 @@ from .rig import Values
 from .stored import StoredRig
 
 MOST_SECONDS = 10.0
-FEWEST_FRAMES, FEWEST_EVENTS = 10, 200
+FEWEST_FRAMES, FEWEST_EVENTS = 10, 50
 LONGEST_WAIT_US = 100_000  # of events before a readout that is too slow
 NOISY_DN2 = 0.15  # variance: rounding has 1/12
 _TRUSTED = 0.9
@@ -91,7 +91,11 @@ class Session:
     def _known(self) -> str:
         events = self.recording.events
         share = len(self.rig.in_trusted_light(events)) / len(events)
-        return "" if share > 0.95 else f"; {share:.0%} of the events are where light is known between frames"
+        known = self.rig.setting.scene.trusted().mean()
+        if share > 0.95:
+            return ""
+        where = f"{known:.0%} of pixels and time, with {share:.1%} of the events"
+        return f"; light between frames is known for {where}"
 
 
 def session_of(

@@ -1,5 +1,6 @@
 """Recordings made ready, good and bad; runs that are kept."""
 
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,8 +13,10 @@ from voltcam_lab.diagnosis.part import cut, sample
 from voltcam_lab.diagnosis.rig import Rig
 from voltcam_lab.diagnosis.session import DiagnosisError, session_of
 from voltcam_lab.diagnosis.stored import StoredRig
+from voltcam_lab.recordings import load
 from voltcam_simulator import EVENT, Camera, Parameters
 
+DATA = Path(os.environ.get("VOLTCAM_DATA", Path(__file__).parents[4] / "shared" / "data"))
 SEEDS = [1, 2]
 PAPER = Camera.load("paper")
 
@@ -73,6 +76,15 @@ def test_light_that_is_known_nowhere_tells_nothing(tiny: Recording, tmp_path: Pa
     noise = np.random.default_rng(1).integers(0, 255, (40, *tiny.frames.shape[1:]), np.uint8)
     other = replace(tiny, frames=noise, frame_t_us=np.arange(40) * 50_000)
     assert "events 0 are where the light between frames is known" in refused_after(other, tmp_path)
+
+
+def test_of_a_street_pixels_at_rest_are_enough(tmp_path: Path) -> None:
+    """Its light is known nearly everywhere, but not where most events are."""
+    path = DATA / "davis346_street" / "davis346.aedat4"
+    if not path.exists():
+        pytest.skip("no davis346_street in ../shared/data or $VOLTCAM_DATA")
+    told = session_of(load(path), PAPER, tmp_path).looked_at()
+    assert "is known for 96% of pixels and time, with 1.0% of the events" in told
 
 
 def refused_after(recording: Recording, folder: Path) -> str:
