@@ -220,7 +220,7 @@ def test_all_right_meets_every_figure(right: list[Line]) -> None:
     assert all(told.values()), told
     assert coverage is False  # 9 of 9 are too many for intervals of 90 %
     assert row(figures, "parameter error").reached == "10%"
-    assert row(figures, "time to the verdict on two cores").reached == "32 s"
+    assert row(figures, "time on two cores").reached == "54 s"
     assert all(one.reached.endswith(("100%", "0%")) for one in controls(found))
 
 
