@@ -21,6 +21,7 @@ SCALED = (
 )
 """What is in units of the thresholds."""
 TURNS = 0.25  # of a lamp, for a logarithm of 1: a step of 0.15 is 14 degrees
+STRONGEST = 20.0  # times the largest size that an effect is looked for at
 RATIOS = ("ratio", "gamma_exponent")
 """Sizes that are 1 where there is no effect."""
 
@@ -37,10 +38,15 @@ def limited(parameters: Parameters, changes: Mapping[str, Mapping[str, Any]]) ->
 
 
 def _limited(parameter: FieldInfo, value: Any) -> Any:
+    value = _clipped(parameter, value)
+    return round(value) if parameter.annotation is int else value
+
+
+def _clipped(parameter: FieldInfo, value: Any) -> Any:
     for limit in parameter.metadata:
         value = max(value, getattr(limit, "ge", -inf), nextafter(getattr(limit, "gt", -inf), inf))
         value = min(value, getattr(limit, "le", inf))
-    return round(value) if parameter.annotation is int else value
+    return value
 
 
 @dataclass(frozen=True)
@@ -48,13 +54,14 @@ class Candidate:
     """An effect that is off in the model, and how to switch it on.
 
     sizes: where it is looked for, each one number for each of `names`; others are found by fitting, with the
-    same sign. others: what goes with it.
+    same sign. others: what goes with it. least: of the first number; less than one pixel is no share of them.
     """
 
     effect: str
     names: tuple[str, ...]
     sizes: tuple[tuple[float, ...], ...]
     others: Mapping[str, Any] = field(default_factory=dict)
+    least: float = 0.0
 
     def scaled(self, size: tuple[float, ...], amount: float) -> tuple[float, ...]:
         """The size at which the effect is about `amount` times as strong."""
@@ -68,6 +75,16 @@ class Candidate:
         if self.names[0] in RATIOS:
             return min(log(here) / log(one) for one in there if log(one) * log(here) >= 0)
         return min(one / here if self.names[0] in WEAKER else here / one for one in there if one * here > 0)
+
+    def plausible(self, size: tuple[float, ...]) -> bool:
+        """Whether a camera may have the effect at a size that a fit has found: not much stronger than it is
+        looked for, nor at a limit of the registry, where a fit ends that wants another form."""
+        fields = type(getattr(Parameters(), self.effect)).model_fields
+        registered = (
+            (fields[name], value) for name, value in zip(self.names, size, strict=True) if name in fields
+        )
+        inside = all(_clipped(parameter, value) == value for parameter, value in registered)
+        return inside and abs(size[0]) >= self.least and self.times(size) <= STRONGEST
 
     def on(self, parameters: Parameters, size: tuple[float, ...]) -> Parameters:
         """The parameters with the effect at a size (one number for each name)."""
@@ -133,6 +150,7 @@ class Clues:
     rows: int
     exposure_start_us: float
     quantum_us: int
+    pixels: int
 
 
 def _one(name: str, *sizes: float) -> dict[str, Any]:
@@ -150,6 +168,7 @@ def catalogue(clues: Clues) -> tuple[Candidate, ...]:
     }
     scans, until_read = ((0.03, 0.03), (-0.03, -0.03)), ((0.03, -0.03, 300), (-0.03, 0.03, 300))
     warmings = _one("rate_c_per_s", warming, 2.3 * warming, -warming)
+    a_pixel = 1 / clues.pixels
     usb = {"buffer_events": 64}
     lamp = {"frequency_hz": clues.flicker_hz, "phase_turns": 0.0}
     return (
@@ -163,12 +182,12 @@ def catalogue(clues: Clues) -> tuple[Candidate, ...]:
         Candidate("latency", ("delay_us", "jitter_us"), ((200, 200), (1200, 1200))),
         Candidate("latency", **_one("delay_us", 1000, -1000)),
         Candidate("readout", **_one("event_us", 20, 60)),
-        Candidate("hot_pixels", ("fraction", "rate_hz"), ((0.003, 20), (0.012, 20))),
+        Candidate("hot_pixels", ("fraction", "rate_hz"), ((0.003, 20), (0.012, 20)), least=a_pixel),
         Candidate("low_light_shot_noise", **_one("c", 0.005, 0.012)),
         Candidate("threshold_mismatch", **_one("sigma", 0.07, 0.2)),
         Candidate("reset_noise", **_one("sigma", 0.1, 0.25)),
         Candidate("leak_mismatch", **_one("sigma", 0.3, 0.8)),
-        Candidate("dead_pixels", **_one("fraction", 0.01)),
+        Candidate("dead_pixels", **_one("fraction", 0.01), least=a_pixel),
         Warming("temperature_drift", **warmings, seconds=clues.seconds),
         Candidate("usb_overflow", **_one("max_rate_events_per_s", 0.4 * clues.peak_rate_per_s), others=usb),
         Candidate("crosstalk", **_one("coupling", 0.05)),

@@ -37,6 +37,7 @@ def clues(setting: Setting, events: NDArray[np.void], row_us: float | None = Non
         rows=scene.height,
         exposure_start_us=start_us,
         quantum_us=quantum(t_us),
+        pixels=scene.width * scene.height,
     )
 
 

@@ -112,7 +112,8 @@ def _far_off(diagnosis: Diagnosis) -> str:
         f"{name} is {times:.2g} times what the camera file says" for name, times in off.items()
     )
     return (
-        f" In the fitted model {times}: is the file of another camera? voltcam calibrate makes one of this."
+        f" In the fitted model {times}: is the file of another camera (voltcam calibrate makes one of this),"
+        " or light known only where little moves?"
     )
 
 

@@ -191,7 +191,7 @@ def _steps(panel: Any, series: Series, index: NDArray[np.int64], edges: Any, tit
     ticks = [t for t in (0.1, 1, 10, 100, 1000) if edges[0] <= t <= edges[-1]]
     panel.set_xticks(ticks, [f"{t:g} ms" if t < 1000 else "1 s" for t in ticks])
     panel.minorticks_off()
-    panel.set_ylim(bottom=0)
+    panel.set_ylim(0, max(1.0, panel.get_ylim()[1]))  # nothing at all is drawn as nothing
 
 
 def _handles(figure: Any) -> Any:

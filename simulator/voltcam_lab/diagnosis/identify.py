@@ -137,6 +137,8 @@ def detectable(screen: Screen) -> tuple[Detectable, ...]:
         candidate, amount = one.candidate, _least_amount(screen, one, beyond)
         key = (candidate.effect, candidate.names[0])
         size = None if amount is None else candidate.scaled(one.size, amount)[0]
+        if size is not None and abs(size) < candidate.least:
+            size = candidate.least
         best[key] = _weaker(candidate, best.get(key), size)
     return tuple(Detectable(effect, name, size, _unit(effect, name)) for (effect, name), size in best.items())
 

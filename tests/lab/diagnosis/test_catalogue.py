@@ -11,7 +11,7 @@ from voltcam_lab.diagnosis.unlisted import STEEP, forms
 from voltcam_simulator import Parameters
 from voltcam_simulator.effects import EFFECTS
 
-CLUES = Clues(6.0, 50_000, 100.0, 40_000, 500, 35.25, 36, 1234.0, 1)
+CLUES = Clues(6.0, 50_000, 100.0, 40_000, 500, 35.25, 36, 1234.0, 1, 1728)
 INPUT_AND_BASE = {
     "contrast_response", "photon_noise", "junction_leak", "parasitic_photocurrent", "leak_noise",
     "dark_current", "residual_drift", "residual_noise",
@@ -38,6 +38,28 @@ def test_smaller_amounts_are_nearer_to_no_effect() -> None:
     assert of["refractory_period", "period_us"].scaled((3000,), 0.5) == (1500,)
     assert of["photoreceptor_bandwidth", "cutoff_hz"].scaled((100,), 0.5) == (200,)
     assert of["comparator", "ratio"].scaled((4.0,), 0.5) == (2.0,)
+
+
+@pytest.mark.parametrize(
+    ("effect", "size", "plausible"),
+    [
+        ("leak_mismatch", (2.9,), True),
+        ("leak_mismatch", (3.1,), False),  # the registry ends at 3
+        ("hot_pixels", (1.01 / 1728, 20.0), True),
+        ("hot_pixels", (0.99 / 1728, 20.0), False),  # not one pixel
+        ("hot_pixels", (0.01, 2e5), False),  # 100 kHz
+        ("dead_pixels", (0.19,), True),
+        ("dead_pixels", (0.21,), False),  # 20 times 1 %
+        ("photoreceptor_bandwidth", (4.1, 30.0), True),
+        ("photoreceptor_bandwidth", (3.9, 30.0), False),
+        ("comparator", (1.3,), True),
+        ("timestamp_quantum", (1.7,), True),
+    ],
+)
+def test_sizes_that_no_camera_has_are_not_plausible(
+    effect: str, size: tuple[float, ...], plausible: bool
+) -> None:
+    assert next(one for one in catalogue(CLUES) if one.effect == effect).plausible(size) == plausible
 
 
 def test_a_lamp_is_moved_on_by_a_quarter_turn_for_an_e_fold_of_its_second_size() -> None:

@@ -1,5 +1,7 @@
 """What a recording can tell."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -41,6 +43,13 @@ def test_the_gain_at_the_smallest_size_is_what_chance_reaches(done: Done) -> Non
     assert gain >= 30  # search.LEAST_GAIN; chance may ask for more
     less = 0.8 * z
     assert screen.with_effect(less, one).gain - screen.own(less).gain < gain
+
+
+def test_less_than_a_pixel_is_not_told_as_a_share_that_would_be_seen(done: Done) -> None:
+    screen = done.diagnosis.steps[0].screen
+    few = replace(screen.signatures[0], candidate=replace(screen.signatures[0].candidate, least=1e9))
+    (found,) = detectable(replace(screen, signatures=(few,)))
+    assert found.size == 1e9
 
 
 def test_the_covariance_is_one(done: Done) -> None:
