@@ -21,7 +21,6 @@ SCALED = (
 )
 """What is in units of the thresholds."""
 TURNS = 0.25  # of a lamp, for a logarithm of 1: a step of 0.15 is 14 degrees
-STRONGEST = 20.0  # times the largest size that an effect is looked for at
 RATIOS = ("ratio", "gamma_exponent")
 """Sizes that are 1 where there is no effect."""
 
@@ -76,15 +75,13 @@ class Candidate:
             return min(log(here) / log(one) for one in there if log(one) * log(here) >= 0)
         return min(one / here if self.names[0] in WEAKER else here / one for one in there if one * here > 0)
 
-    def plausible(self, size: tuple[float, ...]) -> bool:
-        """Whether a camera may have the effect at a size that a fit has found: not much stronger than it is
-        looked for, nor at a limit of the registry, where a fit ends that wants another form."""
+    def possible(self, size: tuple[float, ...]) -> bool:
+        """Whether there is such a size: a fit that wants another form ends beyond the registry's limits."""
         fields = type(getattr(Parameters(), self.effect)).model_fields
-        registered = (
+        known = (
             (fields[name], value) for name, value in zip(self.names, size, strict=True) if name in fields
         )
-        inside = all(_clipped(parameter, value) == value for parameter, value in registered)
-        return inside and abs(size[0]) >= self.least and self.times(size) <= STRONGEST
+        return abs(size[0]) >= self.least and all(_clipped(one, value) == value for one, value in known)
 
     def on(self, parameters: Parameters, size: tuple[float, ...]) -> Parameters:
         """The parameters with the effect at a size (one number for each name)."""

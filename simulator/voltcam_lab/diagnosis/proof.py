@@ -17,6 +17,7 @@ DISTINCT_SHARE, OTHERS_SHARE = 0.75, 0.25  # the same, where no other effect rem
 OF_ALL, OF_REST = 0.9, 0.5  # the same, of several together, and of the last of these
 MOVED = 2.0  # of the spread: what an effect changes
 HELD_OUT_SHARE = 0.3  # of the training gain, by statistic, that held-out data must confirm
+STRONGEST = 20.0  # times the largest size that an effect is looked for at
 A_PART = 0.25  # of the gap over its floor: an effect that removes less is no part of an explanation
 FEW_RUNS = 0.1  # by which the gap of a trial, seen in a few runs, may be too large
 UNNAMED = 0.15  # gap over its floor: effects that leave more are held against forms without a name
@@ -57,18 +58,22 @@ def explain_together(begin: Step, before: Step, after: Step) -> bool:
 
 
 def promising(step: Step) -> list[Trial]:
-    """Trials that stand, of effects as cameras may have them: nearly all pixels dead would explain any camera
-    file with too much noise."""
-    return [one for one in standing(step) if one.candidate.plausible(one.model.sizes()[-1])]
+    """Trials that stand, of effects no stronger than cameras may have them: nearly all pixels dead would
+    explain any camera file with too much noise."""
+    return [one for one in standing(step) if one.candidate.times(one.model.sizes()[-1]) <= STRONGEST]
 
 
 def worth_adding(step: Step) -> Trial | None:
     """The best promising trial, if it removes A_PART of the gap, as the first of effects that explain it
-    together does: to go on from less would take most of the time, and end in "unknown" all the same."""
+    together does: to go on from less would take most of the time, and end in "unknown" all the same.
+
+    None, too, where it is best at a size that there is not: what is there has no name, and the next best
+    would be a wrong one.
+    """
     best = next(iter(promising(step)), None)
     if best is None or step.training - best.training + FEW_RUNS < A_PART * step.excess:
         return None
-    return best
+    return best if best.candidate.possible(best.model.sizes()[-1]) else None
 
 
 def standing(step: Step) -> list[Trial]:

@@ -50,7 +50,7 @@ def test_two_effects_none_of_which_explains_enough_are_named_if_they_do_together
     assert effects == ({"refractory_period", "threshold_mismatch"} if verdict == "effects" else set())
 
 
-@pytest.mark.parametrize(("sigma", "rivals"), [(0.06, ("reset_noise",)), (0.5, ())])
+@pytest.mark.parametrize(("sigma", "rivals"), [(0.06, ("reset_noise",)), (0.4, ())])
 def test_effects_that_are_nearly_alike_are_rivals_where_there_is_little_of_them(
     sigma: float, rivals: tuple[str, ...]
 ) -> None:
@@ -70,6 +70,12 @@ def test_an_effect_many_times_as_strong_as_it_is_looked_for_is_not_named(
     fraction: float, verdict: str
 ) -> None:
     assert asked(response(DEAD.on(BASE, (fraction,)))).verdict == verdict
+
+
+def test_an_effect_stronger_than_the_registry_lets_it_be_is_not_named_nor_the_next_best() -> None:
+    found = asked(response(MISMATCH.on(BASE, (0.5,))) + 3 * PATTERNS[7])
+    assert (found.verdict, found.found) == ("unknown", ())
+    assert found.steps[0].trials[0].candidate is MISMATCH
 
 
 def test_a_pattern_that_is_not_in_the_catalogue_is_called_unknown() -> None:
