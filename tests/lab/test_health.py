@@ -140,6 +140,13 @@ def test_leak_where_the_light_moves_does_not_hide_the_clock() -> None:
     assert health["clock"].numbers["lag_us"] == pytest.approx(LATENCY_US, abs=3000)
 
 
+def test_polarities_that_are_exchanged() -> None:
+    recording = healthy()
+    events = recording.events.copy()
+    events["p"] = ~events["p"]
+    only_fatal(examine(replace(recording, events=events)), "clock", "ON and OFF exchanged")
+
+
 def test_events_of_another_scene() -> None:
     recording = healthy()
     events = recording.events.copy()

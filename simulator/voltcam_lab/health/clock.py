@@ -24,13 +24,15 @@ _GROUPS = 8
 class Lag:
     """events = frames + lag_us. correlation: of signed event counts and changes of ln L, by block and frame.
 
-    score: that correlation over its standard deviation when the blocks are exchanged.
+    score: that correlation over its standard deviation when the blocks are exchanged. reversed: the largest
+    correlation, at any lag, if ON and OFF are exchanged.
     """
 
     lag_us: float
     uncertainty_us: float
     correlation: float
     score: float
+    reversed: float
     drift_ppm: float
     drift_uncertainty_ppm: float
 
@@ -44,7 +46,8 @@ def find_lag(subject: Subject) -> Lag:
     span_us = float(subject.light.t_us[-1] - subject.light.t_us[0])
     farthest = min(_FARTHEST_US, span_us / 2)
     coarse = np.arange(-farthest, farthest + 1, period_us / 2)
-    near = coarse[int(np.argmax([search.correlation(lag) for lag in coarse]))]
+    follows = np.array([search.correlation(lag) for lag in coarse])
+    near = coarse[int(np.argmax(follows))]
     lag_us = search.best(near, period_us)
     less, more = (_Search(subject, threshold * by).best(lag_us, period_us) for by in (0.9, 1.1))
     groups = range(_GROUPS)
@@ -58,6 +61,7 @@ def find_lag(subject: Subject) -> Lag:
         uncertainty_us=float(np.hypot(error_us, (more - less) / 2)),
         correlation=peak,
         score=peak / search.by_chance(lag_us),
+        reversed=-float(follows.min()),
         drift_ppm=float(drift.mean()),
         drift_uncertainty_ppm=float(drift.std(ddof=1) / np.sqrt(_GROUPS)),
     )

@@ -15,6 +15,7 @@ _STILL = 0.002  # share of samples in which anything changes: no more than noise
 _FEWEST_PER_CHANGE = 0.2  # events per change of ln L by 1: thresholds are 0.1 to 0.6, so 2 to 10 are usual
 _GAP_US = 5000
 _GAP_EVENTS = 50.0  # that the light makes expect in a gap: e^-50 by chance
+_REVERSED = 0.4  # correlation: light that comes again has some .2 the wrong way round
 _SURE = 6.0  # standard deviations of the lag search: its highest of hundreds by chance is about 4
 
 
@@ -64,6 +65,9 @@ def clock(subject: Subject) -> Finding:
     """Whether the events follow the frames' light, and how much later."""
     lag = find_lag(subject)
     numbers = {key: float(value) for key, value in vars(lag).items()}
+    if lag.reversed > max(_REVERSED, 2 * lag.correlation):
+        words = "the events follow the light with ON and OFF exchanged: turn their polarity round"
+        return Finding("clock", "fatal", words, numbers)
     ms, error_ms, period_ms = lag.lag_us / 1000, lag.uncertainty_us / 1000, subject.period_us / 1000
     if lag.score < _SURE:
         if subject.light.changing_share < _STILL:
