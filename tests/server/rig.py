@@ -42,6 +42,9 @@ from voltcam_video import Frame, SourceRequest
 PATIENCE_S = 30.0  # how long a test waits for something that happens in well under a second
 
 
+SCENE = SourceRequest(uri="scene", fps=100, width=48, height=32, fit="stretch")
+
+
 def tiny(**changes: Any) -> Camera:
     """A camera of 24 x 16 pixels."""
     return Camera(name="tiny", width=24, height=16, parameters=Parameters().changed(changes))
@@ -115,6 +118,14 @@ class Listener(Transport):
 
     def _close(self) -> None:
         pass
+
+
+def gap_free(listener: Listener) -> bool:
+    return [packet.seq for packet in listener.packets] == list(range(len(listener.packets)))
+
+
+def in_order(listener: Listener) -> bool:
+    return bool((np.diff(listener.events["t"]) >= 0).all())
 
 
 @contextlib.contextmanager

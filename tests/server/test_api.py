@@ -30,8 +30,7 @@ from voltcam_server.problems import UsageError
 from voltcam_server.transports import WebSocketTransport
 from voltcam_simulator import Camera
 
-from .rig import PATIENCE_S, Listener, emulating, tiny, web_server
-from .test_emulator import SCENE
+from .rig import PATIENCE_S, SCENE, Listener, emulating, tiny, web_server
 
 NO_ZMQ = "tcp://127.0.0.1:5560"  # as the camera says; nobody is there
 

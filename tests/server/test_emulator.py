@@ -1,36 +1,30 @@
 """The loop, in process: what goes in against what comes out."""
 
-import errno
-import socket
 import threading
-import time
-from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from voltcam_client.formats import FormatError, RecordingError, read
 from voltcam_server.emulator import Emulator
 from voltcam_server.problems import UsageError
-from voltcam_server.recorder import QUEUE_INTERVALS
 from voltcam_server.settings import PacketSettings
 from voltcam_simulator import Simulator
-from voltcam_video import Frame, Granted, SourceError, SourceRequest, SourceState
+from voltcam_video import SourceRequest
 
-from .rig import PATIENCE_S, Listener, MjpegServer, emulating, moving_frames, save_frames, tiny, until
+from .rig import (
+    PATIENCE_S,
+    SCENE,
+    Listener,
+    emulating,
+    gap_free,
+    in_order,
+    moving_frames,
+    save_frames,
+    tiny,
+    until,
+)
 from .test_simulation import SILENT
-
-SCENE = SourceRequest(uri="scene", fps=100, width=48, height=32, fit="stretch")
-
-
-def gap_free(listener: Listener) -> bool:
-    return [packet.seq for packet in listener.packets] == list(range(len(listener.packets)))
-
-
-def in_order(listener: Listener) -> bool:
-    return bool((np.diff(listener.events["t"]) >= 0).all())
 
 
 def test_a_recording_read_fast_comes_out_whole(tmp_path: Path) -> None:
@@ -135,243 +129,6 @@ def test_events_stamped_before_the_frame_they_follow_are_sent(early: dict[str, d
     assert in_order(listener)
     assert (np.diff([packet.time_base_ns for packet in listener.packets]) >= 0).all()
     assert (np.diff([frame.t_us for frame in listener.frames]) > 0).all()
-
-
-def test_a_source_that_is_not_there_is_said_at_the_start(tmp_path: Path) -> None:
-    emulator = Emulator(tiny(), SourceRequest(uri=str(tmp_path / "none.mp4")))
-    with pytest.raises(SourceError, match=r"none\.mp4"):
-        emulator.start()
-    emulator.stop()
-
-
-def test_another_source_takes_over_and_time_runs_on(tmp_path: Path) -> None:
-    frames = moving_frames(40, tiny())
-    uri = save_frames(tmp_path / "early.npz", frames)  # its clock starts at 0, long before the scene's
-    with emulating(SCENE) as (emulator, listener):
-        listener.wait(lambda it: len(it.frames) >= 5)
-        emulator.look_at(SourceRequest(uri=uri, pace="fast"))
-        assert emulator.source.uri == uri
-        until(lambda: emulator.source.state == "ended", "the recording ends")
-        listener.wait(lambda it: np.array_equal(it.frames[-1].image, frames[-1]))
-        emulator.look_at(SCENE)
-        count = len(listener.frames)
-        listener.wait(lambda it: len(it.frames) >= count + 5)
-    assert gap_free(listener)
-    assert in_order(listener)
-    assert (np.diff([frame.t_us for frame in listener.frames]) > 0).all()
-    images = np.stack([frame.image for frame in listener.frames])
-    (first,) = np.flatnonzero((images == frames[0]).all(axis=(1, 2)))
-    np.testing.assert_array_equal(images[first : first + 40], frames)  # none of the recording's is lost
-
-
-def test_a_source_that_cannot_be_opened_leaves_the_old_one_running(tmp_path: Path) -> None:
-    with emulating(SCENE) as (emulator, listener):
-        listener.wait(lambda it: it.frames)
-        with pytest.raises(SourceError, match=r"none\.mp4"):
-            emulator.look_at(SourceRequest(uri=str(tmp_path / "none.mp4")))
-        assert emulator.source.uri == "scene"
-        assert emulator.source.state == "running"
-        count = len(listener.frames)
-        listener.wait(lambda it: len(it.frames) >= count + 5)
-
-
-def test_a_stream_that_dies_comes_back() -> None:
-    server = MjpegServer()
-    with emulating(SourceRequest(uri=server.url, timeout_s=1)) as (emulator, listener):
-        listener.wait(lambda it: len(it.frames) >= 5)
-        server.die()
-        listener.wait(lambda it: it.statuses[-1]["source"]["state"] == "reconnecting")
-        assert server.url in emulator.source.message
-        with pytest.raises(SourceError):  # asked for again while it is away: that does not end the waiting
-            emulator.look_at(SourceRequest(uri=server.url, timeout_s=1, fit="stretch"))
-        with pytest.raises(UsageError, match="nothing is being recorded"):  # it still answers
-            emulator.end_recording()
-        server = MjpegServer(server.port)
-        try:
-            listener.wait(lambda it: it.statuses[-1]["source"]["state"] == "running")
-            count = len(listener.frames)
-            listener.wait(lambda it: len(it.frames) >= count + 5)
-        finally:
-            emulator.stop()
-            server.die()
-    assert gap_free(listener)
-    assert in_order(listener)
-
-
-class OnlyCamera:
-    """Stands in for `watch`: a camera that can be opened once at a time, and never with fps 666."""
-
-    GRANTED = Granted(
-        kind="device",
-        live=True,
-        width=24,
-        height=16,
-        fps=None,
-        pixel_format=None,
-        frames=None,
-        backend=None,
-        clock="kernel",
-    )
-
-    def __init__(self) -> None:
-        self.open_count = 0
-
-    def __call__(
-        self,
-        request: SourceRequest,
-        stop: threading.Event,
-        on_state: Callable[[SourceState], None],
-        granted: Granted | None = None,
-    ) -> Iterator[Frame]:
-        self.open_count += 1
-        try:
-            if self.open_count > 1 or request.fps == 666:
-                raise SourceError("/dev/video0: busy")
-            on_state(SourceState("running", granted=self.GRANTED))
-            while not stop.wait(0.005):
-                yield Frame(np.zeros((16, 24), np.uint8), time.time_ns() // 1000)
-        finally:
-            self.open_count -= 1
-
-
-def test_a_camera_is_let_go_before_it_is_opened_anew(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("voltcam_server.capture.watch", OnlyCamera())
-    with emulating(SourceRequest(uri="/dev/video0")) as (emulator, listener):
-        listener.wait(lambda it: it.frames)
-        emulator.look_at(SourceRequest(uri="/dev/video0", fps=60))
-        emulator.look_at(SourceRequest(uri="0", fps=60))  # the same one
-        assert emulator.source.request.fps == 60
-        with pytest.raises(SourceError, match="busy"):
-            emulator.look_at(SourceRequest(uri="/dev/video0", fps=666))
-        until(lambda: emulator.source.state == "running", "the camera runs as before")
-        assert emulator.source.request.fps == 60
-        count = len(listener.frames)
-        listener.wait(lambda it: len(it.frames) > count + 3)
-
-
-class UnpluggedCamera(OnlyCamera):
-    """One that is away when it is to be opened again, and comes back."""
-
-    def __call__(
-        self,
-        request: SourceRequest,
-        stop: threading.Event,
-        on_state: Callable[[SourceState], None],
-        granted: Granted | None = None,
-    ) -> Iterator[Frame]:
-        if granted is not None:
-            on_state(SourceState("reconnecting", "/dev/video0: unplugged", granted, 1))
-            stop.wait(0.1)
-        return super().__call__(request, stop, on_state, granted)
-
-
-def test_the_old_camera_goes_on_when_it_comes_back(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("voltcam_server.capture.watch", UnpluggedCamera())
-    with emulating(SourceRequest(uri="/dev/video0")) as (emulator, listener):
-        listener.wait(lambda it: it.frames)
-        with pytest.raises(SourceError, match="busy"):
-            emulator.look_at(SourceRequest(uri="/dev/video0", fps=666))
-        until(lambda: emulator.source.state == "running", "the camera is back")
-
-
-def test_what_is_asked_for_as_it_was_told_keeps_its_password() -> None:
-    server = MjpegServer()
-    uri = server.url.replace("://", "://robot:secret@")
-    with emulating(SourceRequest(uri=uri, timeout_s=5)) as (emulator, listener):
-        listener.wait(lambda it: it.frames)
-        told = emulator.source.request
-        assert "secret" not in told.uri
-        emulator.look_at(told.model_copy(update={"fit": "stretch"}))
-        assert emulator._capture.request.uri == uri
-        emulator.stop()
-        server.die()
-
-
-def test_ending_does_not_wait_for_a_source_that_hangs() -> None:
-    with (
-        socket.create_server(("127.0.0.1", 0)) as silent,
-        emulating(SCENE) as (emulator, listener),
-        ThreadPoolExecutor() as pool,
-    ):
-        listener.wait(lambda it: it.frames)
-        uri = f"http://127.0.0.1:{silent.getsockname()[1]}/"
-        looking = pool.submit(emulator.look_at, SourceRequest(uri=uri, timeout_s=20))
-        silent.settimeout(PATIENCE_S)
-        connection, _ = silent.accept()
-        began_s = time.monotonic()
-        emulator.stop()
-        assert time.monotonic() - began_s < 10
-        assert isinstance(looking.exception(), SourceError)
-        connection.close()
-
-
-def test_a_recording_holds_what_was_sent(tmp_path: Path) -> None:
-    path = tmp_path / "out.npz"
-    with emulating(SCENE) as (emulator, listener):
-        listener.wait(lambda it: it.frames)
-        assert emulator.record(str(path)).recording
-        with pytest.raises(UsageError, match="end that recording first"):
-            emulator.record(str(tmp_path / "other.npz"))
-        count = len(listener.frames)
-        listener.wait(lambda it: len(it.frames) >= count + 10)
-        done = emulator.end_recording()
-        assert (done.recording, done.error) == (False, None)
-        with pytest.raises(RecordingError, match="exists already"):
-            emulator.record(str(path))
-        with pytest.raises(FormatError, match="suffix"):
-            emulator.record(str(tmp_path / "out.mp3"))
-        listener.wait(lambda it: len(it.frames) >= count + 20)
-    recording = read(path)
-    assert recording.frames is not None
-    assert recording.frame_t_us is not None
-    assert (done.events, done.frames) == (recording.events.size, len(recording.frames))
-    assert len(recording.frames) >= 9
-    first, last = recording.frame_t_us[0], recording.frame_t_us[-1]
-    # All intervals that end at a recorded frame, and no other; the first began before its first frame.
-    sent = [frame.t_us for frame in listener.frames]
-    begin = sent[sent.index(first) - 1]
-    assert sent[sent.index(first) : sent.index(last) + 1] == recording.frame_t_us.tolist()
-    packets = [p for p in listener.packets if begin <= p.time_base_ns // 1000 < last]
-    np.testing.assert_array_equal(recording.events, np.concatenate([p.events for p in packets]))
-
-
-def test_a_full_disk_ends_the_recording_and_nothing_else(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path = tmp_path / "out.txt"
-    with emulating(SCENE) as (emulator, listener):
-        listener.wait(lambda it: it.frames)
-        emulator.record(str(path))
-        recorder = emulator._recorder
-        assert recorder is not None
-        until(lambda: recorder.status.events > 100, "events are recorded")
-
-        def full(*_: object) -> None:
-            raise OSError(errno.ENOSPC, "No space left on device")
-
-        monkeypatch.setattr(type(recorder._writer), "_append", full)
-        until(lambda: not recorder.status.recording, "the recording ends")
-        status = emulator.status.recording
-        assert status is not None
-        assert status.error is not None
-        assert "No space left" in status.error
-        assert "\n" not in status.error
-        with pytest.raises(RecordingError, match="exists already"):
-            emulator.record(str(path))  # the stream goes on without a recorder: more frames than one holds
-        count = len(listener.frames)
-        listener.wait(lambda it: len(it.frames) >= count + QUEUE_INTERVALS + 5)
-        with pytest.raises(UsageError, match="nothing is being recorded"):
-            emulator.end_recording()
-    assert read(path).events.size == status.events > 100
-
-
-def test_ending_the_daemon_finishes_the_recording(tmp_path: Path) -> None:
-    path = tmp_path / "out.npz"
-    with emulating(SCENE) as (emulator, listener):
-        emulator.record(str(path))
-        count = len(listener.frames)
-        listener.wait(lambda it: len(it.frames) > count + 10)
-    assert read(path).events.size > 0
 
 
 def test_no_thread_is_left() -> None:
