@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from fastapi import APIRouter, FastAPI, HTTPException, Request, WebSocket
+from fastapi import APIRouter, FastAPI, HTTPException, Request, Response, WebSocket
 from fastapi.responses import JSONResponse, PlainTextResponse
 from fastapi.staticfiles import StaticFiles
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -193,11 +193,11 @@ def _health(emulator: Emulator) -> APIRouter:
         return {"status": "ok"}
 
     @health.get("/readyz")
-    async def readyz() -> dict[str, str]:
-        """Ready once the first frame was simulated."""
-        if not emulator.ready:
-            raise HTTPException(503, "no frame has been simulated yet: wait")
-        return {"status": "ready"}
+    async def readyz(response: Response) -> dict[str, str]:
+        """Ready while events go out, also where some are left out; else 503 and why."""
+        state, reason = emulator.state
+        response.status_code = 200 if state in ("running", "overloaded") else 503
+        return {"status": state, "reason": reason}
 
     @health.get("/metrics")
     async def metrics() -> PlainTextResponse:

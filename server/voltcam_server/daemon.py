@@ -52,6 +52,7 @@ def serve(settings: Settings, record: str | None, on_ready: Callable[[str, str],
             seed=settings.seed,
             upsample=settings.upsample,
             packets=settings.packets,
+            overload=settings.overload,
             transports=[zeromq, websockets],
             on_failure=lambda: setattr(server, "should_exit", True),
         )

@@ -18,15 +18,17 @@ from voltcam_video import SourceError, SourceRequest
 from .capture import Capture
 from .mailbox import Mailbox
 from .messages import Message, events_message, frame_message, status_message
+from .overload import OverloadSettings
 from .pacer import Pacer, Slice
 from .problems import UsageError
 from .recorder import Recorder, RecordingStatus
 from .settings import PacketSettings, Upsample
 from .simulation import Interval, Simulation
-from .status import FrameCounts, Latency, Meter, SourceStatus, Status
+from .status import FrameCounts, Latency, Meter, SourceStatus, State, Status
 from .transports import Transport
 
 STATUS_PERIOD_S = 1.0
+STALLED_S = 2.0  # so long without an interval's end is more than any overload takes
 
 
 class Emulator:
@@ -44,11 +46,12 @@ class Emulator:
         seed: int = 0,
         upsample: Upsample = "off",
         packets: PacketSettings | None = None,
+        overload: OverloadSettings | None = None,
         transports: Sequence[Transport] = (),
         on_failure: Callable[[], None] = lambda: None,
     ) -> None:
         self.camera = camera
-        self.simulation = Simulation(camera, law, seed, upsample)
+        self.simulation = Simulation(camera, law, seed, upsample, overload)
         self.failure: Exception | None = None
         self._transports = transports
         self._on_failure = on_failure
@@ -61,7 +64,9 @@ class Emulator:
         self._recorder: Recorder | None = None
         self._arrived, self._events, self._packets = Meter(), Meter(), Meter()
         self._frame_seq = 0
-        self._latency = Latency(simulated_ms=0, sent_ms=0)
+        self._latency = Latency(simulated_ms=0, sent_ms=0, age_ms=0)
+        self._age_s = 0.0  # of the events that left last
+        self._busy: tuple[float, float] | None = None  # arrival of the frame at hand, and begin of its work
         self._started_s = time.monotonic()
         self._stopping = False
         self._threads = [
@@ -171,20 +176,48 @@ class Emulator:
         return recorder.status
 
     @property
+    def state(self) -> tuple[State, str]:
+        """How it is, and why where that is not "running"."""
+        source, busy, trouble = self._capture.state, self._busy, self.simulation.load.trouble
+        if source.state == "reconnecting":
+            return "source lost", source.message
+        if source.state == "ended":
+            return "ended", source.message or "the source has come to its end"
+        if not self.ready:
+            return "starting", "no frame has been simulated yet"
+        if busy and (stalled_s := time.monotonic() - busy[1]) > STALLED_S:
+            return "stalled", f"one interval has been simulated for {stalled_s:.0f} s: put parameters back"
+        if trouble:
+            return "overloaded", f"{trouble}; the load is {self.simulation.load.ratio:.3g}"
+        return "running", ""
+
+    @property
+    def _latency_now(self) -> Latency:
+        busy = self._busy
+        waited_s = time.monotonic() - busy[0] if busy else 0.0
+        return self._latency.model_copy(update={"age_ms": round(1000 * max(self._age_s, waited_s), 3)})
+
+    @property
     def status(self) -> Status:
         simulation, mailbox, recorder = self.simulation, self._mailbox, self._recorder
+        state, reason = self.state
         return Status(
+            state=state,
+            reason=reason,
+            load=round(simulation.load.ratio, 3),
+            skipped_us=simulation.skipped_us,
             source=self.source,
             frames=FrameCounts(
                 received=mailbox.received,
                 simulated=simulation.simulated,
                 dropped=mailbox.dropped,
+                skipped=simulation.skipped,
                 out_of_order=simulation.out_of_order,
                 unusable=simulation.unusable,
             ),
             events=self._events.status,
             packets=self._packets.status,
-            latency=self._latency,
+            latency=self._latency_now,
             parameters_version=simulation.parameters[1],
             uptime_s=round(time.monotonic() - self._started_s, 3),
             transports={transport.name: transport.status for transport in self._transports},
@@ -193,7 +226,9 @@ class Emulator:
 
     def _simulate(self) -> None:
         while (arrival := self._mailbox.take()) is not None:
+            self._busy = arrival.at_s, time.monotonic()
             interval = self.simulation.step(arrival)
+            self._busy = None
             if interval is not None:
                 self._pacer.put(interval)
 
@@ -210,6 +245,7 @@ class Emulator:
             dropped=self._mailbox.dropped,
         )
         self._publish(events_message(packet))
+        self._age_s = time.monotonic() - interval.arrived_s + (interval.frame_us - piece.end_us) / 1e6
         self._packets.total += 1
         self._events.total += piece.events.size
 
@@ -231,6 +267,7 @@ class Emulator:
         self._latency = Latency(
             simulated_ms=round(1000 * (interval.ready_s - interval.arrived_s), 3),
             sent_ms=round(1000 * (time.monotonic() - interval.arrived_s), 3),
+            age_ms=0,
         )
 
     def _report(self) -> None:

@@ -1,6 +1,7 @@
-"""What waits between the capture thread and the simulation thread: at most one frame."""
+"""What waits between the capture thread and the simulation thread: at most two frames."""
 
 import threading
+from collections import deque
 from dataclasses import dataclass, replace
 
 from voltcam_video import Fit, Frame
@@ -23,43 +24,46 @@ class Arrival:
     missed: int = 0
 
 
-class Mailbox:
-    """One slot. The newest frame wins: who puts replaces what was not taken, which counts as dropped.
+SLOTS = 2  # a machine that is late for less than two frames drops none; and frames in a row make an interval
 
-    Who puts a frame that is not paced waits instead until the slot is free, and nothing is dropped.
+
+class Mailbox:
+    """The newest two frames: the older of those that were not taken is dropped for a new one, and counted.
+
+    Who puts a frame that is not paced waits instead until the former one is taken, and nothing is dropped.
     """
 
     def __init__(self) -> None:
         self.received = 0
         self.dropped = 0
-        self._slot: Arrival | None = None
+        self._waiting: deque[Arrival] = deque()
         self._closed = False
         self._changed = threading.Condition()
 
     def put(self, arrival: Arrival, stop: threading.Event) -> None:
         """Leave a frame; does nothing once `stop` is set, which is followed by `wake`."""
         with self._changed:
-            while not arrival.paced and self._slot is not None and not stop.is_set() and not self._closed:
+            while not arrival.paced and self._waiting and not stop.is_set() and not self._closed:
                 self._changed.wait()
             if stop.is_set() or self._closed:
                 return
-            if self._slot is not None:
+            self._waiting.append(arrival)
+            if len(self._waiting) > SLOTS:
                 self.dropped += 1
+                lost, following = self._waiting.popleft(), self._waiting[0]
                 # A cut stays one when the frame that brought it is dropped.
-                cut, missed = arrival.cut or self._slot.cut, self._slot.missed + 1
-                arrival = replace(arrival, cut=cut, missed=missed)
-            self._slot = arrival
+                cut, missed = following.cut or lost.cut, following.missed + lost.missed + 1
+                self._waiting[0] = replace(following, cut=cut, missed=missed)
             self.received += 1
             self._changed.notify_all()
 
     def take(self) -> Arrival | None:
         """The next frame, waited for; None when closed."""
         with self._changed:
-            while self._slot is None and not self._closed:
+            while not self._waiting and not self._closed:
                 self._changed.wait()
-            arrival, self._slot = self._slot, None
             self._changed.notify_all()
-            return None if self._closed else arrival
+            return None if self._closed else self._waiting.popleft()
 
     def wake(self) -> None:
         """Let those who wait look at their `stop` again."""

@@ -23,6 +23,12 @@ def _lines(status: Status) -> Iterator[str]:
         ({"until": "simulated"}, latency.simulated_ms / 1000),
         ({"until": "sent"}, latency.sent_ms / 1000),
     ]
+    yield from _samples(
+        "state", "gauge", "1 for the state the daemon is in", [({"state": status.state}, 1.0)]
+    )
+    yield from _metric("load", "gauge", "time of simulating beside the time it is for", status.load)
+    yield from _metric("skipped_seconds_total", "counter", "stream time left out", status.skipped_us / 1e6)
+    yield from _metric("age_seconds", "gauge", "age of what is being sent", latency.age_ms / 1000)
     yield from _metric(
         "source_up", "gauge", "1 while the source gives frames", status.source.state == "running"
     )

@@ -14,7 +14,7 @@ from .simulation import Interval
 
 BURST_PACKET_US = 1_000_000  # some encodings hold a few seconds only
 CATCH_UP = 0.01  # of an interval: how fast a delay that is no longer needed is taken back
-QUEUE_INTERVALS = 4
+QUEUE_INTERVALS = 2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,7 +31,8 @@ def slices(interval: Interval, packets: PacketSettings) -> Iterator[Slice]:
 
     Slices are cut at multiples of the packet time after the interval's start, and empty ones left out.
     """
-    events, t = interval.events, interval.events["t"]
+    # The times on their own: `searchsorted` would copy them out of the records again for each slice.
+    events, t = interval.events, np.ascontiguousarray(interval.events["t"])
     step_us = packets.packet_us if packets.smooth and interval.paced else BURST_PACKET_US
     done, former_end_us = 0, interval.start_us
     if not events.size:
@@ -73,8 +74,8 @@ class PlayOut:
 class Pacer:
     """A thread that gives out slices when they are due, and each interval when all of it has left.
 
-    It drops nothing. When two further intervals are there already, what is left of the present one goes at
-    once; when QUEUE_INTERVALS are, `put` waits.
+    It drops nothing. When QUEUE_INTERVALS further ones are there already, what is left of the present one
+    goes at once, and `put` waits.
     """
 
     def __init__(
@@ -126,5 +127,9 @@ class Pacer:
 
     def _wait_until(self, due_s: float) -> None:
         with self._changed:
-            while (wait_s := due_s - time.monotonic()) > 0 and not self._stopping and len(self._queue) < 2:
+            while (
+                (wait_s := due_s - time.monotonic()) > 0
+                and not self._stopping
+                and len(self._queue) < QUEUE_INTERVALS
+            ):
                 self._changed.wait(wait_s)

@@ -19,6 +19,7 @@ from voltcam_simulator import Camera, Law, Parameters
 from voltcam_simulator.parameters import merged
 from voltcam_video import SourceRequest
 
+from .overload import OverloadSettings
 from .problems import KeyPath, UsageError, explain, faults, one_line
 
 EncodingName = Literal["libcaer", "mono", "evt3", "libcaer_cmp"]
@@ -77,6 +78,9 @@ class Settings(BaseSettings):
         default_factory=Parameters, description="changes to the camera's parameters, nested by effect"
     )
     packets: PacketSettings = Field(default_factory=PacketSettings, description="packets and their pace")
+    overload: OverloadSettings = Field(
+        default_factory=OverloadSettings, description="bounds of what is simulated at a time"
+    )
     encoding: EncodingName = Field(
         default="libcaer", description="of event packets; a WebSocket client may ask for another"
     )

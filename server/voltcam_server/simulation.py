@@ -3,22 +3,26 @@
 import threading
 import time
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from voltcam_simulator import EVENT, Camera, Law, Parameters, Simulator
-from voltcam_simulator.simulator import LONGEST_INTERVAL_US
+from voltcam_simulator import EVENT, Camera, Law, Parameters, Simulator, TooManyEventsError
+from voltcam_simulator.pixel_array import Pattern
 from voltcam_video import Frame, Image, along_cubic, along_flow, fit, follows
 
 from .mailbox import Arrival
+from .overload import Load, OverloadSettings, coarser
 from .problems import one_line
 from .settings import Upsample
 
+MISSED_AT_LEAST = 2  # dropped frames make the time between too long to be simulated in time
 PATIENCE_FRAMES = 10  # so many stamps in a row that do not advance mean that the source's clock was set back
 FIRST_PERIOD_US = 33_333
+PREPARED_US, PREPARED_EVENTS = (10_000, 10, 1), 10_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,12 +56,26 @@ class Simulation:
     Times run on across cuts and changes of source: a frame that starts again at an earlier time is moved to
     one frame period after the last one, and those after it likewise. With upsample "cubic" frames are taken
     one later, when the curve beyond them is known.
+
+    What is too much is skipped: an interval with two or more dropped frames in it, one that is too long, one
+    with too many events. The next interval goes on from the frame at its end.
     """
 
-    def __init__(self, camera: Camera, law: Law, seed: int, upsample: Upsample = "off") -> None:
+    def __init__(
+        self,
+        camera: Camera,
+        law: Law,
+        seed: int,
+        upsample: Upsample = "off",
+        overload: OverloadSettings | None = None,
+    ) -> None:
         self.camera = camera
         self._law: Law = law
+        self._overload = overload or OverloadSettings()
+        self.load = Load()
         self.simulated = 0
+        self.skipped = 0  # frames up to which nothing was simulated
+        self.skipped_us = 0  # the time up to them
         self.out_of_order = 0
         self.unusable = 0
         self.fault = ""  # why the last unusable frame was one
@@ -69,6 +87,8 @@ class Simulation:
         self._former: Frame | None = None
         self._lock = threading.Lock()
         self._wanted = (camera.parameters, 0)
+        self._laying = threading.Lock()
+        self._laid: tuple[Pattern | None, int] = (None, 0)  # newest pattern and its version
         self._version = 0
         self._last_us: int | None = None
         self._shift_us = 0
@@ -88,14 +108,26 @@ class Simulation:
         """
         with self._lock:
             parameters, version = self._wanted
-            self._wanted = parameters.changed(changes), version + 1
-            return self._wanted
+            mine = self._wanted = parameters.changed(changes), version + 1
+        self._lay_down(mine[1])
+        return mine
+
+    def _lay_down(self, version: int) -> None:
+        """Have the sensor's pattern made for this version or a newer one: a moving slider has few made."""
+        with self._laying:
+            if self._laid[1] < version:
+                parameters, newest = self.parameters
+                self._laid = self._simulator.laid_down(parameters), newest
 
     def prepare(self, parameters: Parameters) -> None:
         """Have compiled what these parameters need, so that no frame need wait seconds for it."""
-        small = Simulator(2, 2, parameters, self._law)
-        small.advance(np.zeros((2, 2), np.uint8), 0)
-        small.advance(np.full((2, 2), 255, np.uint8), 10_000)
+        for span_us in PREPARED_US:
+            small = Simulator(2, 2, parameters, self._law)
+            small.advance(np.zeros((2, 2), np.uint8), 0)
+            steps = span_us / parameters.longest_step_us
+            with suppress(TooManyEventsError):
+                small.advance(np.full((2, 2), 255, np.uint8), span_us, max(1.0, steps / 4), PREPARED_EVENTS)
+                return
 
     def step(self, arrival: Arrival) -> Interval | None:
         """The interval that this frame ends; None for a frame that cannot be used, which is counted."""
@@ -107,7 +139,7 @@ class Simulation:
     def _step(self, arrival: Arrival) -> Interval | None:
         t_us = arrival.frame.t_us + self._shift_us
         span_us = 0 if self._last_us is None else t_us - self._last_us
-        cut = arrival.cut or self._last_us is None or span_us > LONGEST_INTERVAL_US
+        cut = arrival.cut or self._last_us is None
         if not cut and span_us <= 0:
             self._stuck += 1
             if self._stuck <= PATIENCE_FRAMES:
@@ -117,7 +149,17 @@ class Simulation:
         image = fit(arrival.frame.image, self.camera.width, self.camera.height, arrival.fit)
         self._take_parameters()
         try:
-            return self._cut(image, arrival) if cut else self._advance(image, t_us, span_us, arrival)
+            if cut:
+                return self._cut(image, arrival)
+            if arrival.missed:
+                self.load.skipped("frames come faster than they are simulated")
+            why = self._too_much(span_us, arrival.missed)
+            if why:
+                return self._skip(image, t_us, span_us, arrival, why)
+            return self._advance(image, t_us, span_us, arrival)
+        except TooManyEventsError:
+            why = f"more than {self._overload.most_events} events between two frames"
+            return self._skip(image, t_us, span_us, arrival, why)
         except ValueError as error:  # grey levels that are none; the simulator has changed nothing
             self.unusable += 1
             self.fault = one_line(error)
@@ -126,13 +168,37 @@ class Simulation:
     def _advance(self, image: Image, t_us: int, span_us: int, arrival: Arrival) -> Interval:
         frame = Frame(image, t_us)
         steps = [*self._in_between(frame), frame]
-        # An interval in which frames were dropped has the steps of one without: dropping them saves work.
-        coarser = 1 + arrival.missed
-        start_us = self._simulator.complete_us
-        events = [self._simulator.advance(step.image, step.t_us, coarser) for step in steps]
-        self._period_us = span_us
-        all_events = events[0] if len(events) == 1 else np.concatenate(events)
+        start_us, began_s = self._simulator.complete_us, time.monotonic()
+        try:
+            all_events = self._events(steps, self._coarser(span_us, arrival.missed))
+        finally:
+            self.load.worked(time.monotonic() - began_s, span_us)
+        self._period_us = span_us // (1 + arrival.missed)
+        self.simulated += 1
         return self._done(all_events, start_us, frame, arrival)
+
+    def _events(self, steps: list[Frame], coarser: float) -> NDArray[np.void]:
+        """The events up to the last of these frames. Raises TooManyEventsError."""
+        events, left = [], self._overload.most_events
+        for step in steps:
+            events.append(self._simulator.advance(step.image, step.t_us, coarser, left))
+            left -= len(events[-1])
+        return events[0] if len(events) == 1 else np.concatenate(events)
+
+    def _coarser(self, span_us: int, missed: int) -> float:
+        """An interval in which a frame was dropped has the steps of one without: dropping it saves work."""
+        pixels = self.camera.width * self.camera.height
+        longest_us = self._simulator.parameters.longest_step_us
+        return max(1.0 + missed, coarser(span_us, longest_us, pixels))
+
+    def _too_much(self, span_us: int, missed: int) -> str:
+        """Why an interval is not simulated; empty when it is."""
+        longest_us = self._overload.longest_interval_us
+        if missed >= MISSED_AT_LEAST:
+            return "frames come faster than they are simulated"
+        if span_us > longest_us:
+            return f"{span_us / 1e6:.3g} s between two frames, more than overload.longest_interval_us allows"
+        return ""
 
     def _in_between(self, frame: Frame) -> Iterator[Frame]:
         """The frames between the former one and this."""
@@ -156,8 +222,19 @@ class Simulation:
         earliest_us = 0 if self._last_us is None else self._last_us + self._period_us
         shift_us = max(0, earliest_us - arrival.frame.t_us)
         t_us = arrival.frame.t_us + shift_us
-        self._simulator.jump(image, t_us)
+        self.simulated += 1
         self._shift_us = shift_us
+        return self._jump(image, t_us, arrival)
+
+    def _skip(self, image: Image, t_us: int, span_us: int, arrival: Arrival, why: str) -> Interval:
+        """Go on from a frame without the events up to it, which are too many, or of too long a time."""
+        self.load.skipped(why)
+        self.skipped += 1
+        self.skipped_us += span_us
+        return self._jump(image, t_us, arrival)
+
+    def _jump(self, image: Image, t_us: int, arrival: Arrival) -> Interval:
+        self._simulator.jump(image, t_us)
         self._former = None
         return self._done(np.empty(0, EVENT), self._simulator.complete_us, Frame(image, t_us), arrival)
 
@@ -165,7 +242,6 @@ class Simulation:
         self._last_us = frame.t_us
         self._before, self._former = self._former, frame
         self._stuck = 0
-        self.simulated += 1
         return Interval(
             events,
             start_us,
@@ -179,7 +255,7 @@ class Simulation:
         )
 
     def _take_parameters(self) -> None:
-        parameters, version = self.parameters
-        if version != self._version:
-            self._simulator.parameters = parameters
+        pattern, version = self._laid
+        if pattern is not None and version != self._version:
+            self._simulator.take(pattern)
             self._version = version

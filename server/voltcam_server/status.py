@@ -26,15 +26,17 @@ class SourceStatus(BaseModel):
 
 
 class FrameCounts(BaseModel):
-    """received = simulated + dropped + out_of_order + unusable, but for those under way.
+    """received = simulated + dropped + skipped + out_of_order + unusable, but for those under way.
 
-    dropped: skipped because a newer one was there, up to which the simulation takes coarser steps.
+    dropped: not looked at because newer ones were there. skipped: gone on from, without events up to them,
+    since these would have been too many or of too long a time.
     out_of_order: their time did not advance. unusable: their values are no grey levels.
     """
 
     received: int
     simulated: int
     dropped: int
+    skipped: int
     out_of_order: int
     unusable: int
 
@@ -48,15 +50,29 @@ class Total(BaseModel):
 
 class Latency(BaseModel):
     """Of the newest interval, from the arrival of the frame that ends it: to its events being known, and to
-    the last of them leaving."""
+    the last of them leaving. age_ms: of what is being sent now, and of what is waited for in a stall."""
 
     simulated_ms: float
     sent_ms: float
+    age_ms: float
+
+
+State = Literal["starting", "running", "overloaded", "stalled", "source lost", "ended"]
 
 
 class Status(BaseModel):
-    """All of it."""
+    """All of it.
 
+    state, reason: how the daemon is, and in one line why where that is not "running". overloaded: something
+    was left out in the last seconds; stalled: no interval has been finished for seconds.
+    load: the time that simulating takes beside the time it is for; 2 means twice too much for this machine.
+    skipped_us: the time that no events were made of.
+    """
+
+    state: State
+    reason: str
+    load: float
+    skipped_us: int
     source: SourceStatus
     frames: FrameCounts
     events: Total

@@ -25,6 +25,11 @@ from .random import events_generator, events_key, pattern
 EVENT = np.dtype([("t", "<i8"), ("x", "<u2"), ("y", "<u2"), ("p", "?")])
 """One event: t [us], x, y [pixels], p (True = ON). The same as the client's."""
 
+
+class TooManyEventsError(Exception):
+    """An interval has more events than it may have."""
+
+
 Plane = NDArray[np.float32]
 Events = NDArray[np.void]
 State = dict[str, NDArray[Any]]
@@ -121,11 +126,17 @@ class Readout:
     state: dict[str, State]
     voltage: Plane  # (pixels,) voltages at the end of the interval, which an effect may change
     light: Plane  # (pixels,) what the pixels see then [DN]
+    most_events: int  # that may be there at any stage
 
     @property
     def span_us(self) -> int:
         """Length of the interval."""
         return self.end_us - self.start_us
+
+    def admit(self, count: float) -> None:
+        """Called before space is taken for so many events of an effect's own. Raises TooManyEventsError."""
+        if count > self.most_events:
+            raise TooManyEventsError
 
     def generator(self, name: str) -> np.random.Generator:
         """Random numbers for one effect in this interval."""

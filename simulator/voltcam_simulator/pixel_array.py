@@ -1,7 +1,9 @@
 """All pixels of a sensor: their state planes, and one step of all of them, band of rows by band of rows."""
 
 import math
-from concurrent.futures import ThreadPoolExecutor
+import sys
+from concurrent.futures import ThreadPoolExecutor, wait
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -20,6 +22,15 @@ from .still import StillRows
 Law = Literal["exact", "paper"]
 
 BAND_PIXELS = 49152  # few enough for the planes of a band to stay in cache, enough to drown the calls' cost
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pattern:
+    """Parameters, the effects that are on, and the fixed pattern that these have laid down on the sensor."""
+
+    parameters: Parameters
+    effects: list[Effect]
+    sensor: Sensor
 
 
 class PixelArray:
@@ -42,22 +53,30 @@ class PixelArray:
         self._still = StillRows(width, height, seed, since=self._pending)
         self._bands: list[Rows] = []
         self._steps, self._elapsed_us = 0, 0.0
+        self.most_events = sys.maxsize  # of an interval; more raise TooManyEventsError
 
-    def configure(self, parameters: Parameters) -> None:
-        """Take on parameters: lay down the fixed pattern, keep the state of the effects that stay on."""
-        self._still.wake_all(self._bands)
+    def laid_down(self, parameters: Parameters) -> Pattern:
+        """The fixed pattern for parameters. Touches nothing: it may be made while steps go on."""
         theta_on, theta_off = np.ones((2, self.height, self.width), np.float32)
         dark_level_dn = parameters.contrast_response.k2_dn
-        self.sensor = sensor = Sensor(
+        sensor = Sensor(
             self.width, self.height, self.seed, parameters.temperature_c, dark_level_dn, theta_on, theta_off,
             set_us=self._set_us,
         )  # fmt: skip
+        effects = [self._by_law(effect) for effect in parameters.effects() if effect.active]
+        for effect in effects:
+            effect.prepare(sensor)
+        return Pattern(parameters, effects, sensor)
+
+    def configure(self, pattern: Pattern) -> None:
+        """Take on parameters and what was laid down for them; the effects that stay on keep their state."""
+        self._still.wake_all(self._bands)
+        self.sensor = sensor = pattern.sensor
         former = {effect.name: effect for effect in self.effects}
-        self.effects = [self._by_law(effect) for effect in parameters.effects() if effect.active]
+        self.effects = pattern.effects
         for effect in self.effects:
             if effect != former.get(effect.name):
                 self._set_us[effect.name] = self._elapsed_us
-            effect.prepare(sensor)
         sensor.theta_on, self._above = self._shared(sensor.theta_on)
         sensor.theta_off, self._below = self._shared(sensor.theta_off)
         keepers = [effect for effect in self.effects if overrides(effect, "state")]
@@ -66,7 +85,7 @@ class PixelArray:
             [effect for effect in self.effects if overrides(effect, stage)]
             for stage in ("see", "respond", "drift")
         )
-        self.longest_step_us = parameters.longest_step_us
+        self.longest_step_us = pattern.parameters.longest_step_us
         self._still.allowed = self.law == "exact" and all(effect.steady for effect in self.effects)
         if sensor.refractory_us > 0 and self._held.size == 0:
             self._held = np.zeros_like(self.voltage)
@@ -159,8 +178,13 @@ class PixelArray:
                 if rows.room is room:
                     self._step(rows, image, key, start_us, offset_us, span_us)
 
+        for room in self._rooms:
+            room.most_keys = self.most_events // len(self._rooms)
         others = [self._pool.submit(share, room) for room in self._rooms[1:]]
-        share(self._rooms[0])
+        try:
+            share(self._rooms[0])
+        finally:
+            wait(others)
         for other in others:
             other.result()
         self._still.pass_by(span_us)
@@ -187,6 +211,13 @@ class PixelArray:
         """The event keys of the steps since the last call."""
         taken = [room.take_keys() for room in self._rooms]
         return taken[0] if len(taken) == 1 else np.concatenate(taken)
+
+    def abandon(self) -> None:
+        """Leave the interval under way: its events are forgotten, each voltage is what it has come to."""
+        for room in self._rooms:
+            room.forget_keys()
+        self._still.forget(self._bands)
+        self._steps += 1
 
     @property
     def state_bytes(self) -> int:

@@ -1,5 +1,6 @@
 """Some rows of the sensor, and the room in which one thread works on them."""
 
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -7,11 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .effect import Band, Plane
+from .effect import Band, Plane, TooManyEventsError
 from .kernel import kernel
 
 Keys = NDArray[np.uint64]
 Image = NDArray[np.uint8] | Plane
+
+FIRST_KEYS = 8192  # space for events before any has come
 
 
 class Room:
@@ -21,8 +24,9 @@ class Room:
         self.planes = np.empty((4, pixels), np.float32)
         self.zeros = np.zeros(pixels, np.float32)  # for pixels without dead times, without kicks
         self.near = np.empty(pixels + 1, np.int32)
-        self._keys = np.empty(8192, np.uint64)
+        self._keys = np.empty(FIRST_KEYS, np.uint64)
         self._filled = 0
+        self.most_keys = sys.maxsize  # in one interval; more raise TooManyEventsError
 
     def draw(self, count: int, draw: Callable[[int, Keys], tuple[int, int]]) -> None:
         """Let draw(pixels done, space) -> (pixels done, keys written) go on until count pixels are done."""
@@ -31,12 +35,22 @@ class Room:
             done, written = draw(done, self._keys[self._filled :])
             self._filled += written
             if done < count:
-                self._keys = np.concatenate([self._keys, np.empty_like(self._keys)])
+                self._grow()
+
+    def _grow(self) -> None:
+        size = self._keys.size
+        if size >= self.most_keys:
+            raise TooManyEventsError
+        self._keys = np.concatenate([self._keys, np.empty(min(size, self.most_keys - size), np.uint64)])
 
     def take_keys(self) -> Keys:
         """The keys drawn since the last call; good until the next draw."""
         keys, self._filled = self._keys[: self._filled], 0
         return keys
+
+    def forget_keys(self) -> None:
+        """Drop what has been drawn, and the space for it."""
+        self._keys, self._filled = np.empty(FIRST_KEYS, np.uint64), 0
 
     @property
     def nbytes(self) -> int:
@@ -83,6 +97,7 @@ def kick_arrays(band: Band) -> tuple[NDArray[np.float64], NDArray[np.float64], P
     """
     if not band.kicks:
         return NO_KICKS, NO_KICKS, NO_SLACK
+    band.kicks.sort(key=lambda kick: kick[0][0])  # of the first row: what is nearly in order is quick to sort
     times = np.stack([times for times, _ in band.kicks])
     sizes, slack = np.empty_like(times), np.empty(times.shape[1], np.float32)
     _in_order(np.array([size for _, size in band.kicks], np.float64), band.span_us, times, sizes, slack)

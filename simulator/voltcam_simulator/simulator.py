@@ -1,6 +1,7 @@
 """The simulator: frames one by one in, time-sorted events out, every pixel's voltage kept between them."""
 
 import math
+import sys
 from dataclasses import replace
 from typing import Any
 
@@ -8,12 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .cameras import SIDE_LIMIT
-from .effect import EVENT, Events, Readout, overrides
+from .effect import EVENT, Events, Readout, TooManyEventsError, overrides
 from .event_key import TIME_BITS, unpack
 from .event_order import copied, merged
 from .kernel import kernel
 from .parameters import Parameters
-from .pixel_array import Law, PixelArray
+from .pixel_array import Law, Pattern, PixelArray
 from .rows import Image
 
 LONGEST_INTERVAL_US = 2**TIME_BITS - 1
@@ -77,21 +78,37 @@ class Simulator:
 
     @parameters.setter
     def parameters(self, parameters: Parameters) -> None:
-        self._pixels.configure(parameters)
+        self.take(self.laid_down(parameters))
+
+    def laid_down(self, parameters: Parameters) -> Pattern:
+        """The fixed pattern of the sensor for these parameters, for `take`; changes nothing.
+
+        It may be made in another thread than the one that calls `advance`: on a large sensor it takes time.
+        """
+        return self._pixels.laid_down(parameters)
+
+    def take(self, pattern: Pattern) -> None:
+        """Set the parameters for which `laid_down` has made this pattern."""
+        parameters = pattern.parameters
+        self._pixels.configure(pattern)
         self._reports = [effect for effect in parameters.effects() if overrides(effect, "report")]
         self._any_reports = any(effect.active for effect in self._reports)
         self._parameters = parameters
         if self._frame is not None:  # the same light gives another voltage now: that is no change of light
             self._pixels.settle(self._frame.ravel(), self._t_us)
 
-    def advance(self, frame: ArrayLike, t_us: int, coarser: float = 1.0) -> Events:
+    def advance(
+        self, frame: ArrayLike, t_us: int, coarser: float = 1.0, most_events: int = sys.maxsize
+    ) -> Events:
         """The events between the last frame and this one, sorted by time.
 
         frame: (height, width) grey levels, 0..255 DN unless the parameters say otherwise; any real dtype.
         t_us: its time, int microseconds, later than the last one. The first frame gives no events.
         coarser: how many times longer than effects ask steps may be, where time is too short for all of them.
+        most_events: that may be there at any stage from the pixels to the user.
         Returns an array of dtype EVENT. Raises ValueError, with nothing changed, for a wrong shape, values
-        that are negative or not finite, a time that does not advance, or steps finer than effects ask.
+        that are negative or not finite, a time that does not advance, or steps finer than effects ask; and
+        TooManyEventsError, with the sensor somewhere on the way to the frame: `jump` to a frame to go on.
         """
         if not 1 <= coarser < math.inf:
             raise ValueError(f"steps {coarser} times as long as effects ask are not possible: give 1 or more")
@@ -104,9 +121,14 @@ class Simulator:
             raise ValueError(f"the frame at {t_us} us does not come after the last one at {self._t_us} us")
         if span_us > LONGEST_INTERVAL_US:
             raise ValueError(f"{span_us / 3.6e9:.0f} hours between two frames: at most 38 are possible")
+        self._pixels.most_events = most_events
         self._pixels.look(self._frame, image, float(span_us))
-        self._steps(self._frame.ravel(), image.ravel(), span_us, coarser)
-        events = self._reported(self._sorted(), t_us)
+        try:
+            self._steps(self._frame.ravel(), image.ravel(), span_us, coarser)
+            events = self._reported(self._sorted(), t_us)
+        except TooManyEventsError:
+            self._pixels.abandon()
+            raise
         self._frame, self._t_us = image, t_us
         self._intervals += 1
         return events
@@ -153,15 +175,17 @@ class Simulator:
             return events
         pixels = self._pixels
         readout = Readout(
-            pixels.sensor, self._t_us, end_us, self._intervals, pixels.state, pixels.voltage, pixels.light
-        )
+            pixels.sensor, self._t_us, end_us, self._intervals, pixels.state, pixels.voltage, pixels.light,
+            pixels.most_events,
+        )  # fmt: skip
         for effect in self._reports:
             if effect.active:
                 events = effect.report(events, readout)
+                readout.admit(len(events))
                 if effect.earliest_us > 0:
                     readout = self._earlier(readout, effect.earliest_us)
                     np.maximum(events["t"], readout.start_us, out=events["t"])  # it may just have begun to
-            events = self._due(effect.name, events, readout.end_us)  # also of one just switched off
+            events = self._due(effect.name, events, readout)  # also of one just switched off
         if len(events) and events["t"][0] < self._complete_us:  # the clock has just become coarser
             np.maximum(events["t"], self._complete_us, out=events["t"])
         self._read_us = readout.end_us
@@ -178,12 +202,15 @@ class Simulator:
         """The interval whose events are complete when those to come may be stamped so much earlier."""
         return replace(readout, start_us=self._read_us, end_us=max(self._read_us, readout.end_us - by_us))
 
-    def _due(self, stage: str, events: Events, end_us: int) -> Events:
-        """What an effect has given out, now and before, that is due by end_us; the rest waits."""
+    def _due(self, stage: str, events: Events, readout: Readout) -> Events:
+        """What an effect has given out, now and before, that is due in the interval; the rest waits."""
+        end_us = readout.end_us
         if stage in self._waiting:
-            events = merged(self._waiting.pop(stage), events)
+            waiting = self._waiting.pop(stage)
+            readout.admit(len(waiting) + len(events))
+            events = merged(waiting, events)
         if len(events) and events["t"][-1] > end_us:
-            due = int(np.searchsorted(events["t"], end_us, side="right"))
+            due = int(np.searchsorted(np.ascontiguousarray(events["t"]), end_us, side="right"))
             events, self._waiting[stage] = events[:due], copied(events[due:])
         return events
 

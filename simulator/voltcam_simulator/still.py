@@ -55,6 +55,14 @@ class StillRows:
         for rows in bands:
             self.wake(rows)
 
+    def forget(self, bands: list[Rows]) -> None:
+        """Take all rows as they were when they were drawn ahead: what was drawn since is lost."""
+        self.quiet[:], self._changed, self._most_quiet = 0, self.quiet.size, 0
+        self._since.reshape(-1, self._width)[self.ahead] = 0
+        self.ahead[:] = False
+        for rows in bands:
+            rows.rows_ahead = 0
+
     def draw_due(self, rows: Rows, key: np.uint64, span_us: float, offset_us: float) -> None:
         """The events of a band's rows that are ahead, over a step that starts offset_us into its interval."""
         found = rows.room.near

@@ -176,7 +176,7 @@ def test_a_recording_begins_ends_and_overwrites_nothing(api: Api, tmp_path: Path
 def test_health_and_metrics(api: Api) -> None:
     base = f"http://{api.address}"
     assert httpx.get(f"{base}/healthz", trust_env=False).json() == {"status": "ok"}
-    assert httpx.get(f"{base}/readyz", trust_env=False).json() == {"status": "ready"}
+    assert httpx.get(f"{base}/readyz", trust_env=False).json() == {"status": "running", "reason": ""}
     before = api.http.get("status").json()
     response = httpx.get(f"{base}/metrics", trust_env=False)
     after = api.http.get("status").json()

@@ -25,7 +25,7 @@ class ApsCoupling(Effect):
     )
 
     frame_period_us: float = quantity(
-        40_000.0, unit="us", ge=100, le=1e7, meaning="from frame to frame", source=_MEASURED
+        40_000.0, unit="us", ge=1000, le=1e7, meaning="from frame to frame", source=_MEASURED
     )
     exposure_us: float = quantity(
         500.0, unit="us", ge=1, le=1e6, meaning="exposure of a frame", source=_MEASURED

@@ -7,6 +7,8 @@ import numpy as np
 from ..effect import Effect, Events, Readout, Sensor, quantity
 from ..event_order import events_at, merged
 
+FASTEST_HZ = 1e6  # a pixel fires once in a microsecond at most: stamps are no finer
+
 
 class HotPixels(Effect):
     """A few pixels fire as Poisson processes of their own, their rates log-normal; mostly ON, because what
@@ -42,7 +44,7 @@ class HotPixels(Effect):
         pixel, spread = rng.permutation(pixels), rng.standard_normal(pixels)
         hot = slice(round(self.fraction * pixels))
         alive = np.isfinite(sensor.theta_on.ravel()[pixel[hot]])
-        rate_hz = alive * self.rate_hz * 10 ** (self.spread_decades * spread[hot])
+        rate_hz = alive * np.minimum(self.rate_hz * 10 ** (self.spread_decades * spread[hot]), FASTEST_HZ)
         sensor.own[self.name] = {"pixel": pixel[hot], "rate_hz": rate_hz}
 
     def report(self, events: Events, readout: Readout) -> Events:
@@ -50,6 +52,7 @@ class HotPixels(Effect):
         counts = rng.poisson(hot["rate_hz"] * readout.span_us * 1e-6)
         if not counts.any():  # the rule where frames are many and pixels few: save ten calls
             return events
+        readout.admit(counts.sum())
         pixel = np.repeat(hot["pixel"], counts)
         t_us = rng.integers(readout.start_us, readout.end_us, len(pixel))
         on = rng.random(len(pixel)) < self.on_share

@@ -41,7 +41,9 @@ class NoisePairs(Effect):
     def report(self, events: Events, readout: Readout) -> Events:
         rng, sensor = readout.generator(self.name), readout.sensor
         pixels = sensor.width * sensor.height
-        pixel = rng.integers(0, pixels, rng.poisson(self.rate_hz * pixels * readout.span_us * 1e-6))
+        number = rng.poisson(self.rate_hz * pixels * readout.span_us * 1e-6)
+        readout.admit(2 * number)
+        pixel = rng.integers(0, pixels, number)
         dark = rng.random(len(pixel)) * (1 + readout.light[pixel] / self.half_dn) < 1
         alive = np.isfinite(sensor.theta_on.ravel()[pixel])
         pixel = pixel[dark & alive]

@@ -1,0 +1,64 @@
+"""More to simulate than there is time: the bounds of one interval, and how long intervals take."""
+
+import math
+import time
+
+from pydantic import BaseModel, ConfigDict, Field
+
+MOST_STEPS = 512
+MOST_PIXEL_STEPS = 30e6  # about a second of one core
+RECENT_S = 2.0
+
+
+class OverloadSettings(BaseModel):
+    """Bounds of what is simulated at a time; what lies beyond is skipped, and time goes on."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    longest_interval_us: int = Field(
+        default=1_000_000,
+        ge=1000,
+        le=3_600_000_000,
+        description="a longer time between two frames is skipped: the next events are those after it",
+    )
+    most_events: int = Field(
+        default=8_000_000,
+        ge=10_000,
+        le=1_000_000_000,
+        description="between two frames; an interval of more is skipped. An event needs up to 100 bytes of "
+        "memory while it is made and sent",
+    )
+
+
+def coarser(span_us: float, longest_step_us: float, pixels: int) -> float:
+    """How many times longer steps must be, so that an interval has no more of them than can be simulated."""
+    most = max(1.0, min(MOST_STEPS, MOST_PIXEL_STEPS // pixels))
+    return max(1.0, span_us / longest_step_us / most) if math.isfinite(longest_step_us) else 1.0
+
+
+class Load:
+    """The time that simulating takes beside the time it is for, over the last intervals."""
+
+    def __init__(self) -> None:
+        self._ratio = 0.0
+        self._trouble = ("", -math.inf)
+
+    def worked(self, took_s: float, period_us: float) -> None:
+        """An interval has been simulated, of a source whose frames come so far apart."""
+        now = 1e6 * took_s / max(period_us, 1.0)
+        self._ratio += 0.2 * (now - self._ratio) if self._ratio else now
+
+    def skipped(self, why: str) -> None:
+        """Something was left out just now."""
+        self._trouble = (why, time.monotonic())
+
+    @property
+    def ratio(self) -> float:
+        """1: all the time that there is; more: so many times too much for this machine."""
+        return self._ratio
+
+    @property
+    def trouble(self) -> str:
+        """Why something was left out in the last seconds; empty when nothing was."""
+        why, at_s = self._trouble
+        return why if time.monotonic() - at_s < RECENT_S else ""
