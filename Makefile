@@ -7,7 +7,10 @@ SEED ?=
 CASES ?= *
 JOBS ?= 2
 
-.PHONY: run test check format hidden-effects clean calibration-table
+# Of patches: how many changes of parameters.
+COUNT ?= 100000
+
+.PHONY: run test check format hidden-effects patches clean calibration-table
 
 run: .venv/installed-server
 	$(BIN)/voltcam serve
@@ -32,6 +35,9 @@ format: .venv/installed-dev
 hidden-effects: .venv/installed-dev
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 nice -n 10 \
 		$(BIN)/python -m tests.hidden_effects $(if $(SEED),--seed $(SEED)) --cases '$(CASES)' --jobs $(JOBS)
+
+patches: .venv/installed-dev
+	$(BIN)/python -m tests.campaigns.patches --count $(COUNT) $(if $(SEED),--seed $(SEED))
 
 clean:
 	rm -rf .venv dist

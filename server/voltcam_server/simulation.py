@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voltcam_simulator import EVENT, Camera, Law, Parameters, Simulator, TooManyEventsError
+from voltcam_simulator.effect import Effect
 from voltcam_simulator.pixel_array import Pattern
 from voltcam_video import Frame, Image, along_cubic, along_flow, fit, follows
 
@@ -23,6 +24,11 @@ MISSED_AT_LEAST = 2  # dropped frames make the time between too long to be simul
 PATIENCE_FRAMES = 10  # so many stamps in a row that do not advance mean that the source's clock was set back
 FIRST_PERIOD_US = 33_333
 PREPARED_US, PREPARED_EVENTS = (10_000, 10, 1), 10_000
+
+
+def _kind(effect: Effect) -> tuple[str, ...]:
+    """What decides which kernels an effect needs: its name and those of its ways."""
+    return effect.name, *(value for value in effect.model_dump().values() if isinstance(value, str))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,6 +85,7 @@ class Simulation:
         self.out_of_order = 0
         self.unusable = 0
         self.fault = ""  # why the last unusable frame was one
+        self._prepared: set[tuple[str, ...]] = set()  # what has been compiled
         self.prepare(camera.parameters)
         self._simulator = Simulator(camera.width, camera.height, camera.parameters, law, seed)
         self._upsample = upsample
@@ -121,6 +128,10 @@ class Simulation:
 
     def prepare(self, parameters: Parameters) -> None:
         """Have compiled what these parameters need, so that no frame need wait seconds for it."""
+        kinds = {_kind(effect) for effect in parameters.effects() if effect.active}
+        if kinds <= self._prepared:
+            return
+        self._prepared |= kinds
         for span_us in PREPARED_US:
             small = Simulator(2, 2, parameters, self._law)
             small.advance(np.zeros((2, 2), np.uint8), 0)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ..effect import Band, Effect, Sensor, State, quantity
 
+SHORTEST_US = 1.0  # times are whole microseconds: a shorter mean is that of no time
 KNOTS = 32
 """Instants of light that are kept; of an exposure longer than 31 steps only the last 31 count."""
 
@@ -31,7 +32,7 @@ class ExposureBlur(Effect):
 
     @property
     def active(self) -> bool:
-        return self.exposure_us > 0
+        return self.exposure_us >= SHORTEST_US
 
     def state(self, sensor: Sensor) -> State:
         lights = {f"light_{k}": np.zeros(sensor.width * sensor.height, np.float32) for k in range(KNOTS)}

@@ -66,3 +66,16 @@ def test_a_still_scene_stays_still() -> None:
     noise = np.random.default_rng(1)
     image = noise.uniform(0, 255, (8, 8)).astype(np.float32)
     assert sum(len(simulator.advance(image, int(t))) for t in np.cumsum(noise.integers(1, 5000, 50))) == 0
+
+
+def test_an_exposure_shorter_than_the_clock_tells_is_none() -> None:
+    """At the times of this century a double tells a quarter of a microsecond: the mean was one over nothing."""
+    runs = []
+    for exposure_us in (0, 1e-3):
+        simulator = Simulator(
+            8, 8, only(contrast_response={"k1": 60}, exposure_blur={"exposure_us": exposure_us})
+        )
+        simulator.advance(np.full((8, 8), FIRST, np.uint8), 1_764_000_000_000_000)
+        runs.append(simulator.advance(np.full((8, 8), LAST, np.uint8), 1_764_000_000_010_000))
+    np.testing.assert_array_equal(*runs)
+    assert runs[0].size > 64
