@@ -1,7 +1,9 @@
 """A running camera as an iterable of packets: `for packet in EventCamera("tcp://127.0.0.1:5560")`."""
 
+import os
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Generic, Self, TypeVar
 
 import zmq
@@ -9,6 +11,7 @@ import zmq.asyncio
 
 from voltcam_client.encodings import Buffer
 from voltcam_client.errors import PacketError, VoltcamError
+from voltcam_client.keys import use_keys
 from voltcam_client.packet import (
     TOPIC_EVENTS,
     TOPIC_FRAMES,
@@ -19,6 +22,7 @@ from voltcam_client.packet import (
 )
 
 DEFAULT_URL = "tcp://127.0.0.1:5560"
+KEYS_VARIABLE = "VOLTCAM_KEYS"
 RECONNECT_MS, SLOWEST_RECONNECT_MS = 100, 1000
 KEEPALIVE_IDLE_S, KEEPALIVE_PERIOD_S, KEEPALIVE_PROBES = 2, 1, 3
 """A pulled cable is noticed, and reconnected, after 5 s. By TCP, not by ZeroMQ's heartbeats: with them libzmq
@@ -47,15 +51,17 @@ class Stream(Generic[Message]):
         *,
         timeout_s: float | None,
         queue_length: int,
+        keys: str | Path | None = None,
     ) -> None:
         self.url = url
+        self.keys = keys if keys is not None else os.environ.get(KEYS_VARIABLE) or None
         self.timeout_s = timeout_s
         self.lost_packets = 0
         self.restarts = 0
         self.latency_us: int | None = None
         self._decode = decode
         self._last_seq: int | None = None
-        self._socket = _subscribe(url, topic, queue_length)
+        self._socket = _subscribe(url, topic, queue_length, self.keys)
         self._async_socket: zmq.asyncio.Socket | None = None
 
     def receive(self, timeout_s: float | None = None) -> Message | None:
@@ -148,22 +154,35 @@ class EventCamera(Stream[Packet]):
     """The event packets of the Voltcam daemon at a ZeroMQ address.
 
     A reader slower than the camera loses packets, not memory: `queue_length` of them wait here, more are
-    dropped and show in `lost_packets`. Raises VoltcamError for an address that is none.
+    dropped and show in `lost_packets`. keys: this client's folder made by `voltcam keys`, where the camera
+    uses keys; none: that of VOLTCAM_KEYS. Raises VoltcamError for an address that is none.
     """
 
     def __init__(
-        self, url: str = DEFAULT_URL, *, timeout_s: float | None = None, queue_length: int = 1000
+        self,
+        url: str = DEFAULT_URL,
+        *,
+        timeout_s: float | None = None,
+        queue_length: int = 1000,
+        keys: str | Path | None = None,
     ) -> None:
-        super().__init__(url, TOPIC_EVENTS, decode_packet, timeout_s=timeout_s, queue_length=queue_length)
+        super().__init__(
+            url, TOPIC_EVENTS, decode_packet, timeout_s=timeout_s, queue_length=queue_length, keys=keys
+        )
 
     def frames(self, *, queue_length: int = 30) -> Stream[FrameMessage]:
         """The frames that the camera sees, over a connection of their own."""
         return Stream(
-            self.url, TOPIC_FRAMES, decode_frame, timeout_s=self.timeout_s, queue_length=queue_length
+            self.url,
+            TOPIC_FRAMES,
+            decode_frame,
+            timeout_s=self.timeout_s,
+            queue_length=queue_length,
+            keys=self.keys,
         )
 
 
-def _subscribe(url: str, topic: bytes, queue_length: int) -> zmq.SyncSocket:
+def _subscribe(url: str, topic: bytes, queue_length: int, keys: str | Path | None) -> zmq.SyncSocket:
     socket: zmq.SyncSocket = zmq.Context.instance().socket(zmq.SUB)
     socket.linger = 0
     socket.rcvhwm = queue_length
@@ -176,7 +195,12 @@ def _subscribe(url: str, topic: bytes, queue_length: int) -> zmq.SyncSocket:
     socket.ipv6 = "[" in url  # not always: localhost would be ::1 then, where a daemon seldom listens
     socket.subscribe(topic)
     try:
+        if keys is not None:
+            use_keys(socket, Path(keys))
         socket.connect(url)
+    except VoltcamError:
+        socket.close()
+        raise
     except zmq.ZMQError as error:
         socket.close()
         raise VoltcamError(f"cannot subscribe to {url!r} ({error.strerror}): give tcp://HOST:PORT") from error

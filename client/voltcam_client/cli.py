@@ -21,7 +21,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from voltcam_client import camera, control
+from voltcam_client import camera, control, keys
 from voltcam_client.formats import SUFFIXES
 from voltcam_client.meter import measure, short
 from voltcam_client.record import Progress, record, size_bytes
@@ -240,6 +240,30 @@ def _status(args: argparse.Namespace) -> int:
     return 0
 
 
+# --- keys ---
+
+
+def _configure_keys(parser: argparse.ArgumentParser) -> None:
+    parser.description = "Make the keys with which a camera's ZeroMQ stream is encrypted, and open to few."
+    parser.epilog = """\
+examples:
+  voltcam keys /etc/voltcam/keys robot laptop   keys of the camera, and of two who may listen
+then, in the camera's config file, `access: {curve_keys: /etc/voltcam/keys}`, and on the robot, with the
+folder for-robot moved there:  VOLTCAM_KEYS=for-robot voltcam listen tcp://camera.local:5560"""
+    parser.add_argument(
+        "folder", metavar="FOLDER", type=Path, help="where the camera's keys are, or are to be"
+    )
+    parser.add_argument("clients", metavar="NAME", nargs="*", help="who may listen")
+    parser.set_defaults(run=_keys)
+
+
+def _keys(args: argparse.Namespace) -> int:
+    for made in keys.make_keys(args.folder, args.clients):
+        print(f"{made}  (to be moved to that machine, and named there in VOLTCAM_KEYS)")
+    print(f"{args.folder}  (access.curve_keys of the camera's config file)")
+    return 0
+
+
 def _flat(tree: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
     """{"a": {"b": 1}} to ("a.b", 1)."""
     for name, value in tree.items():
@@ -261,4 +285,5 @@ OWN_COMMANDS = {
     "listen": ("print the rates, losses and latency of a running camera", _configure_listen),
     "record": ("record a running camera into a file", _configure_record),
     "status": ("print what a running daemon says of itself", _configure_status),
+    "keys": ("make keys that open a camera's stream to few", _configure_keys),
 }

@@ -1,6 +1,7 @@
 """A running camera's parameters, source, recording and diagnosis, over the daemon's REST interface."""
 
 import json
+import os
 import urllib.error
 import urllib.request
 from collections.abc import Mapping
@@ -11,6 +12,7 @@ from typing import Any
 from voltcam_client.errors import ControlError
 
 DEFAULT_URL = "http://127.0.0.1:8560"
+TOKEN_VARIABLE = "VOLTCAM_TOKEN"
 LONGEST_S = 90.0  # for a change: a stream may take a minute to open, a recording some time to be finished
 Json = dict[str, Any]
 
@@ -20,13 +22,15 @@ class Control:
 
     Each method returns the daemon's answer and raises ControlError, in one line, when the daemon refuses or
     does not answer within `timeout_s`, for changes LONGEST_S at least; a refused change has changed nothing.
+    token: of a daemon that asks for one; none: that of VOLTCAM_TOKEN.
     """
 
-    def __init__(self, url: str = DEFAULT_URL, *, timeout_s: float = 5.0) -> None:
+    def __init__(self, url: str = DEFAULT_URL, *, timeout_s: float = 5.0, token: str | None = None) -> None:
         if not url.startswith(("http://", "https://")):
             raise ControlError(f"{url!r} is not an address of a daemon: give http://HOST:PORT")
         self.url = url.rstrip("/")
         self.timeout_s = timeout_s
+        self._token = token if token is not None else os.environ.get(TOKEN_VARIABLE, "")
         # Straight to the daemon: a proxy from the environment is for the outside world.
         self._opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
 
@@ -95,12 +99,17 @@ class Control:
         """Rates, drops, state of the source and of the recording."""
         return self._request("GET", "/status")
 
+    @property
+    def _headers(self) -> dict[str, str]:
+        kind = {"Content-Type": "application/json"}
+        return kind | {"Authorization": f"Bearer {self._token}"} if self._token else kind
+
     def _request(self, method: str, path: str, body: Json | None = None) -> Json:
         url = f"{self.url}/api/v1{path}"
         data = None if body is None else json.dumps(body).encode()
         timeout_s = self.timeout_s if method == "GET" else max(self.timeout_s, LONGEST_S)
         try:
-            request = urllib.request.Request(url, data, {"Content-Type": "application/json"}, method=method)
+            request = urllib.request.Request(url, data, self._headers, method=method)
             with self._opener.open(request, timeout=timeout_s) as response:
                 answer = json.loads(response.read() or b"{}")
         except urllib.error.HTTPError as error:

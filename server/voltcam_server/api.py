@@ -1,9 +1,11 @@
 """REST and WebSocket under /api/v1, health, metrics, and the page at /.
 
-Everything is of one origin: there are no CORS headers, and what a browser sends for a page from elsewhere is
-refused (`SameOrigin`). There is no login: who can reach the port can control the camera.
+Everything is of one origin: there are no CORS headers, and `access.Guard` refuses what a browser sends for a
+page from elsewhere, and who has no token where there is one.
 """
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,12 +23,13 @@ from voltcam_client.packet import TOPIC_EVENTS, TOPIC_FRAMES
 from voltcam_simulator import Law, Parameters
 from voltcam_video import SourceError, SourceRequest
 
+from .access import AccessError, Guard, SourceRules, Tokens, resolve_under, session_routes
+from .access.session import Sessions
 from .bodies import body_of, read_model, read_object, refusal
 from .diagnosis import Diagnosis
 from .diagnosis_api import diagnosis_routes
 from .emulator import Emulator
 from .metrics import CONTENT_TYPE, prometheus
-from .origin import SameOrigin
 from .problems import UsageError, one_line
 from .recorder import RecordingStatus
 from .settings import EncodingName
@@ -42,6 +45,7 @@ REFUSALS: dict[type[Exception], int] = {
     RecordingError: 409,
     FormatError: 422,
     SourceError: 422,
+    AccessError: 403,
 }
 
 
@@ -66,24 +70,41 @@ class ParametersAnswer(BaseModel):
 
 
 class RecordingRequest(BaseModel):
-    """path: on the daemon's host, relative to its working folder; its suffix is the format."""
+    """path: below the daemon's folder for recordings; its suffix is the format."""
 
     model_config = ConfigDict(extra="forbid")
 
     path: str = Field(min_length=1, max_length=4096)
 
 
+@dataclass(frozen=True)
+class Access:
+    """hosts: names under which the daemon is reached. recordings: their folder. secure: it speaks https."""
+
+    rules: SourceRules
+    tokens: Tokens
+    recordings: Path = Path()
+    hosts: Sequence[str] = ()
+    secure: bool = False
+
+
 def create_app(
-    emulator: Emulator, websockets: WebSocketTransport, camera: CameraAnswer, diagnosis: Diagnosis
+    emulator: Emulator,
+    websockets: WebSocketTransport,
+    camera: CameraAnswer,
+    diagnosis: Diagnosis,
+    access: Access,
 ) -> FastAPI:
     """The web application of a daemon."""
+    sessions = Sessions()
     app = FastAPI(title="Voltcam", openapi_url="/api/v1/openapi.json", docs_url=None, redoc_url=None)
-    app.add_middleware(SameOrigin)
+    app.add_middleware(Guard, hosts=access.hosts, tokens=access.tokens, sessions=sessions)
     for kind in REFUSALS:
         app.add_exception_handler(kind, _refuse)
-    app.include_router(_control(emulator, camera), prefix="/api/v1")
+    app.include_router(_control(emulator, camera, access), prefix="/api/v1")
     app.include_router(_streams(websockets, camera), prefix="/api/v1")
-    app.include_router(diagnosis_routes(diagnosis), prefix="/api/v1")
+    app.include_router(diagnosis_routes(diagnosis, access.rules), prefix="/api/v1")
+    app.include_router(session_routes(access.tokens, sessions, access.secure), prefix="/api/v1")
     app.include_router(_health(emulator))
     app.mount("/", StaticFiles(directory=WEB, html=True), name="page")
     return app
@@ -94,7 +115,7 @@ def _refuse(_: Request, error: Exception) -> JSONResponse:
     return JSONResponse({"detail": one_line(error)}, code)
 
 
-def _control(emulator: Emulator, camera: CameraAnswer) -> APIRouter:
+def _control(emulator: Emulator, camera: CameraAnswer, access: Access) -> APIRouter:
     api = APIRouter()
 
     @api.get("/camera")
@@ -128,14 +149,15 @@ def _control(emulator: Emulator, camera: CameraAnswer) -> APIRouter:
     async def put_source(request: Request) -> SourceStatus:
         """Opens the new source; while that fails, the old one goes on."""
         wanted = await read_model(request, SourceRequest)
-        await run_in_threadpool(emulator.look_at, wanted)
+        await run_in_threadpool(emulator.look_at, access.rules.allowed(wanted))
         return emulator.source
 
     @api.post("/recording", status_code=201, openapi_extra=body_of(RecordingRequest))
     async def post_recording(request: Request) -> RecordingStatus:
         """Records events, and frames where the format holds them, until DELETE. Never overwrites a file."""
         wanted = await read_model(request, RecordingRequest)
-        return await run_in_threadpool(emulator.record, wanted.path)
+        path = resolve_under([access.recordings], wanted.path)
+        return await run_in_threadpool(emulator.record, str(path))
 
     @api.delete("/recording")
     async def delete_recording() -> RecordingStatus:

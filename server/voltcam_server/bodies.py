@@ -7,7 +7,7 @@ from pydantic import BaseModel, ValidationError
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 
-from .problems import explain
+from .problems import explain, one_line
 
 BODY_BYTES = 65536
 Model = TypeVar("Model", bound=BaseModel)
@@ -15,7 +15,7 @@ Model = TypeVar("Model", bound=BaseModel)
 
 async def read_object(request: Request) -> dict[str, Any]:
     """The body as a JSON object. Raises HTTPException 413 for more than BODY_BYTES, 400 for anything else."""
-    body = b""
+    body = bytearray()
     async for chunk in request.stream():
         body += chunk
         if len(body) > BODY_BYTES:
@@ -23,7 +23,7 @@ async def read_object(request: Request) -> dict[str, Any]:
     try:
         content = json.loads(body, parse_constant=_no_number)
     except (ValueError, RecursionError) as error:
-        raise HTTPException(400, f"the body is not JSON: {error}") from None
+        raise HTTPException(400, f"the body is not JSON: {one_line(error)}") from None
     if not isinstance(content, dict):
         raise HTTPException(400, 'the body must be a JSON object, such as {"comparator": {"theta_on": 1.2}}')
     return content

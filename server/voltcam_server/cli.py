@@ -143,9 +143,6 @@ def _serve(args: argparse.Namespace) -> int:
     print(f"voltcam: {settings.camera} looking at {settings.source.shown} ...", flush=True)
 
     def banner(page: str, zmq: str) -> None:
-        page, zmq = (
-            address.replace("0.0.0.0", "127.0.0.1").replace("[::]", "[::1]") for address in (page, zmq)
-        )
         print(f"  page    {page}")
         print(f"  events  {zmq}  (to see them: voltcam listen {zmq})")
         print("  Ctrl-C ends it", flush=True)

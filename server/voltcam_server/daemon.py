@@ -11,7 +11,10 @@ from fastapi import FastAPI
 from voltcam_simulator import Camera
 from voltcam_video import SourceError
 
-from .api import CameraAnswer, check_encoding, create_app
+from .access import SourceRules, Tokens
+from .access.connections import SOCKET_MESSAGE_BYTES, BoundedProtocol
+from .access.reach import check_reach, host_of
+from .api import Access, CameraAnswer, check_encoding, create_app
 from .diagnosis import Diagnosis
 from .emulator import Emulator
 from .problems import UsageError, one_line, where
@@ -38,10 +41,19 @@ def serve(settings: Settings, record: str | None, on_ready: Callable[[str, str],
     """
     camera = settings.load_camera()
     check_encoding(settings.encoding, camera.width, camera.height)
+    tokens = Tokens.load(settings.access.tokens_file)
+    check_reach(settings, tokens)
+    access = Access(
+        SourceRules(settings.access, settings.source.uri),
+        tokens,
+        settings.recordings,
+        [*settings.access.hosts, host_of(settings.http)],
+        secure=settings.access.tls_certificate is not None,
+    )
     with contextlib.ExitStack() as stack:
         listener = stack.enter_context(_listen(settings.http))
-        page = _url(listener)
-        zeromq = ZeroMQTransport(settings.zmq, settings.encoding)
+        page = _url(listener, access.secure)
+        zeromq = ZeroMQTransport(settings.zmq, settings.encoding, settings.access.curve_keys)
         stack.callback(zeromq.stop)
         websockets = WebSocketTransport(page)
         stack.callback(websockets.stop)
@@ -59,8 +71,8 @@ def serve(settings: Settings, record: str | None, on_ready: Callable[[str, str],
         stack.callback(emulator.stop)
         diagnosis = Diagnosis(emulator, zeromq.endpoint)
         stack.callback(diagnosis.stop)
-        app = create_app(emulator, websockets, _about(camera, settings, zeromq), diagnosis)
-        server = _web_server(app)
+        app = create_app(emulator, websockets, _about(camera, settings, zeromq), diagnosis, access)
+        server = _web_server(app, settings)
         stack.enter_context(ended_by_signal(lambda: _end(server)))
         try:
             emulator.start()
@@ -89,7 +101,7 @@ def _about(camera: Camera, settings: Settings, zeromq: ZeroMQTransport) -> Camer
     )
 
 
-def _web_server(app: FastAPI) -> uvicorn.Server:
+def _web_server(app: FastAPI, settings: Settings) -> uvicorn.Server:
     config = uvicorn.Config(
         app,
         log_level="warning",
@@ -97,6 +109,11 @@ def _web_server(app: FastAPI) -> uvicorn.Server:
         ws_per_message_deflate=False,
         timeout_graceful_shutdown=GRACE_S,
         lifespan="off",
+        http=BoundedProtocol,
+        ws_max_size=SOCKET_MESSAGE_BYTES,
+        server_header=False,
+        ssl_certfile=settings.access.tls_certificate,
+        ssl_keyfile=settings.access.tls_key,
     )
     # A client that does not read cannot be told of the end: that is no error of anyone's.
     logging.getLogger("uvicorn.error").addFilter(
@@ -136,6 +153,9 @@ def _listen(address: str) -> socket.socket:
     return listener
 
 
-def _url(listener: socket.socket) -> str:
+def _url(listener: socket.socket, secure: bool) -> str:
     host, port = listener.getsockname()[:2]
-    return f"http://[{host}]:{port}/" if listener.family == socket.AF_INET6 else f"http://{host}:{port}/"
+    scheme = "https" if secure else "http"
+    return (
+        f"{scheme}://[{host}]:{port}/" if listener.family == socket.AF_INET6 else f"{scheme}://{host}:{port}/"
+    )

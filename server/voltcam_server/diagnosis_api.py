@@ -7,6 +7,7 @@ from fastapi.responses import FileResponse
 from pydantic import BaseModel
 from starlette.concurrency import run_in_threadpool
 
+from .access import SourceRules
 from .bodies import body_of, read_model
 from .diagnosis import Diagnosis, DiagnosisRequest, DiagnosisState
 
@@ -19,8 +20,8 @@ class VersionAnswer(BaseModel):
     parameters_version: int
 
 
-def diagnosis_routes(diagnosis: Diagnosis) -> APIRouter:
-    """Its routes."""
+def diagnosis_routes(diagnosis: Diagnosis, rules: SourceRules) -> APIRouter:
+    """Its routes; rules: what may be named as a reference."""
     api = APIRouter(prefix="/diagnosis")
 
     @api.get("")
@@ -31,6 +32,10 @@ def diagnosis_routes(diagnosis: Diagnosis) -> APIRouter:
     async def post_diagnosis(request: Request) -> DiagnosisState:
         """Begins one, from the parameters in force, against a recording or a second camera."""
         wanted = await read_model(request, DiagnosisRequest)
+        if wanted.reference is not None:
+            wanted = wanted.model_copy(update={"reference": str(rules.path(wanted.reference))})
+        elif wanted.stream is not None:
+            rules.stream(wanted.stream)
         return await run_in_threadpool(diagnosis.start, wanted)
 
     @api.delete("")

@@ -19,6 +19,7 @@ from voltcam_simulator import Camera, Law, Parameters
 from voltcam_simulator.parameters import merged
 from voltcam_video import SourceRequest
 
+from .access import AccessSettings
 from .overload import OverloadSettings
 from .problems import KeyPath, UsageError, explain, faults, one_line
 
@@ -28,7 +29,8 @@ Upsample = Annotated[
     BeforeValidator(lambda value: "off" if value is False else value),  # as YAML reads an off without quotes
 ]
 ENV_PREFIX = "VOLTCAM_"
-NOT_SETTINGS = {"VOLTCAM_DATA"}  # where the project's tests find recordings
+# Tokens and keys are no settings, since these may be shown; the last is where tests find recordings.
+NOT_SETTINGS = {"VOLTCAM_TOKEN", "VOLTCAM_VIEW_TOKEN", "VOLTCAM_KEYS", "VOLTCAM_DATA"}
 SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 
@@ -81,13 +83,17 @@ class Settings(BaseSettings):
     overload: OverloadSettings = Field(
         default_factory=OverloadSettings, description="bounds of what is simulated at a time"
     )
+    access: AccessSettings = Field(
+        default_factory=AccessSettings, description="who may use the daemon, and what they may name"
+    )
+    recordings: Path = Field(default=Path(), description="folder of the recordings that are begun over REST")
     encoding: EncodingName = Field(
         default="libcaer", description="of event packets; a WebSocket client may ask for another"
     )
     http: str = Field(
         default="127.0.0.1:8560",
         pattern=r"^(\[[0-9A-Fa-f:.]+\]|[^:/\s]+):\d{1,5}$",
-        description="HOST:PORT of REST, WebSocket and the page; who can reach it can control the camera",
+        description="HOST:PORT of REST, WebSocket and the page; beyond this machine it needs a token",
     )
     zmq: str = Field(
         default="tcp://127.0.0.1:5560",

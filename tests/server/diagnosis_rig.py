@@ -22,7 +22,7 @@ from voltcam_server.transports import WebSocketTransport, ZeroMQTransport
 from voltcam_simulator import Camera
 from voltcam_video import SourceRequest
 
-from .rig import PATIENCE_S, SCENE, Listener, tiny, web_server
+from .rig import PATIENCE_S, SCENE, Listener, open_access, tiny, web_server
 from .test_api import about
 
 # It says who it is, waits for the order how to end, and takes what it finds from the camera it is given.
@@ -119,7 +119,9 @@ def diagnosing(tmp_path: Path) -> Iterator[Bench]:
         diagnosis = Diagnosis(emulator, zmq, command=command, work=tmp_path)
         try:
             with (
-                web_server(create_app(emulator, WebSocketTransport(""), about(camera), diagnosis)) as address,
+                web_server(
+                    create_app(emulator, WebSocketTransport(""), about(camera), diagnosis, open_access())
+                ) as address,
                 httpx.Client(base_url=f"http://{address}/api/v1/", trust_env=False) as http,
                 connect(f"ws://{address}/api/v1/diagnosis/progress") as progress,
             ):

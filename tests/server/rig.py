@@ -32,6 +32,8 @@ from voltcam_client.packet import (
     decode_frame,
     decode_packet,
 )
+from voltcam_server.access import AccessSettings, SourceRules, Tokens
+from voltcam_server.api import Access
 from voltcam_server.emulator import Emulator
 from voltcam_server.mailbox import Arrival
 from voltcam_server.messages import Message
@@ -145,6 +147,14 @@ def emulating(
         listener.stop()
 
 
+def open_access(recordings: Path = Path("/"), **settings: Any) -> Access:
+    """Everything may be named, as on a machine of one's own."""
+    rules = AccessSettings(
+        **{"source_folders": [Path("/")], "source_urls": ["*"], "streams": ["*"]} | settings
+    )
+    return Access(SourceRules(rules, "scene"), Tokens([]), recordings)
+
+
 @contextlib.contextmanager
 def web_server(app: FastAPI) -> Iterator[str]:
     """The app on a free port, by uvicorn as the daemon runs it; yields HOST:PORT."""
@@ -193,7 +203,7 @@ def voltcam_path() -> str:
 class Daemon:
     """`voltcam serve` on free ports, ready when made; a context manager that ends it by SIGTERM."""
 
-    def __init__(self, *arguments: str) -> None:
+    def __init__(self, *arguments: str, ready: bool = True) -> None:
         command = [voltcam_path(), "serve", "--http", "127.0.0.1:0", "--zmq", "tcp://127.0.0.1:0", *arguments]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.banner = ""
@@ -207,6 +217,8 @@ class Daemon:
         assert page is not None
         self.url = page[0]
         self.http = httpx.Client(base_url=self.url + "api/v1/", trust_env=False)
+        if not ready:
+            return
         until(lambda: httpx.get(self.url + "readyz", trust_env=False).is_success, "ready")
         self.zmq = str(self.get("camera")["zmq"])
 

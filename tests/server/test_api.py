@@ -10,6 +10,7 @@ from typing import Any
 import httpx
 import numpy as np
 import pytest
+from fastapi import FastAPI
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import (
@@ -30,7 +31,7 @@ from voltcam_server.problems import UsageError
 from voltcam_server.transports import WebSocketTransport
 from voltcam_simulator import Camera
 
-from .rig import PATIENCE_S, SCENE, Listener, emulating, tiny, web_server
+from .rig import PATIENCE_S, SCENE, Listener, emulating, open_access, tiny, web_server
 
 NO_ZMQ = "tcp://127.0.0.1:5560"  # as the camera says; nobody is there
 
@@ -52,6 +53,11 @@ class Api:
         return detail
 
 
+def app_of(emulator: Emulator, websockets: WebSocketTransport) -> FastAPI:
+    diagnosis = Diagnosis(emulator, NO_ZMQ)
+    return create_app(emulator, websockets, about(emulator.camera), diagnosis, open_access())
+
+
 def about(camera: Camera) -> CameraAnswer:
     return CameraAnswer(
         name=camera.name,
@@ -71,7 +77,9 @@ def api() -> Iterator[Api]:
     websockets = WebSocketTransport("here")
     with (
         emulating(SCENE, camera) as (emulator, listener),
-        web_server(create_app(emulator, websockets, about(camera), Diagnosis(emulator, NO_ZMQ))) as address,
+        web_server(
+            create_app(emulator, websockets, about(camera), Diagnosis(emulator, NO_ZMQ), open_access())
+        ) as address,
         httpx.Client(base_url=f"http://{address}/api/v1/", trust_env=False) as http,
     ):
         yield Api(emulator, listener, http, address)
@@ -192,7 +200,7 @@ def test_health_and_metrics(api: Api) -> None:
 def test_not_ready_before_the_first_frame() -> None:
     emulator = Emulator(tiny(), SCENE)
     diagnosis = Diagnosis(emulator, NO_ZMQ)
-    app = create_app(emulator, WebSocketTransport("here"), about(emulator.camera), diagnosis)
+    app = create_app(emulator, WebSocketTransport("here"), about(emulator.camera), diagnosis, open_access())
     with web_server(app) as address:
         assert httpx.get(f"http://{address}/readyz", trust_env=False).status_code == 503
         assert httpx.get(f"http://{address}/healthz", trust_env=False).status_code == 200
@@ -240,6 +248,7 @@ def test_openapi_describes_the_bodies(api: Api) -> None:
         "/diagnosis/accept",
         "/diagnosis/revert",
         "/diagnosis/report",
+        "/session",
         "/status",
     }
     assert "requestBody" in paths["/api/v1/parameters"]["patch"]

@@ -151,7 +151,6 @@ def test_where_nothing_is_missing_there_is_nothing_to_accept(bench: Bench) -> No
         ({}, "give either reference, a recording's path, or stream"),
         ({"reference": "a.npz", "stream": "tcp://127.0.0.1:1"}, "give either reference"),
         ({"reference": "/none/such.npz"}, "/none/such.npz is not there"),
-        ({"reference": "x" * 4000}, "is not there"),
         ({"reference": __file__}, "no recording has the suffix '.py'"),
         ({"stream": "robot:5560"}, "stream: String should match"),
         ({"reference": "a.npz", "seconds": 0}, "seconds: Input should be greater than 0"),

@@ -234,11 +234,30 @@ def test_a_new_source_keeps_how_the_former_was_read(page: Page, daemon: Daemon) 
 
 def test_a_source_that_is_away_is_announced(page: Page, daemon: Daemon) -> None:
     status = daemon.get("status")
-    status["source"] |= {"state": "reconnecting", "message": "/dev/video0 is gone: plug it in"}
+    status |= {"state": "source lost", "reason": "/dev/video0 is gone: plug it in"}
     page.route("**/status", lambda route: route.fulfill(json=status))
-    expect(page.locator("#banner")).to_have_text("Source reconnecting. /dev/video0 is gone: plug it in")
+    expect(page.locator("#banner")).to_have_text("Source lost: /dev/video0 is gone: plug it in")
     page.unroute("**/status")
     expect(page.locator("#banner")).to_be_hidden()
+
+
+def test_a_daemon_with_tokens_asks_for_one(browser: Browser, monkeypatch: pytest.MonkeyPatch) -> None:
+    token = "t" * 32
+    monkeypatch.setenv("VOLTCAM_TOKEN", token)
+    locked = Daemon()
+    page = browser.new_page()
+    try:
+        page.goto(locked.url)
+        page.get_by_label("This camera asks for a token").fill("no token at all")
+        page.get_by_role("button", name="Open").click()
+        expect(page.locator("#session-error")).to_contain_text("not known")
+        page.get_by_label("This camera asks for a token").fill(token)
+        page.get_by_role("button", name="Open").click()
+        expect(page.locator("#rate")).not_to_have_text("0")
+        expect(page.locator("#session")).to_be_hidden()
+    finally:
+        page.close()
+        locked.kill()
 
 
 def test_a_daemon_that_dies_is_announced_and_found_again(page: Page, daemon: Daemon) -> None:

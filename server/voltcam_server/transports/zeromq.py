@@ -4,10 +4,14 @@ Only what someone subscribes to is encoded. A subscriber that does not keep up l
 in `seq`: libzmq drops them in that subscriber's queue, and does not tell us.
 """
 
+from pathlib import Path
 from typing import ClassVar
 
 import zmq
+from zmq.auth.thread import ThreadAuthenticator
 
+from voltcam_client.errors import VoltcamError
+from voltcam_client.keys import CAMERA, CLIENTS, pair
 from voltcam_client.packet import TOPIC_EVENTS
 
 from ..messages import Message
@@ -15,21 +19,25 @@ from ..problems import UsageError
 from .transport import Transport, TransportStatus
 
 SEND_QUEUE_MESSAGES = 1000  # of each subscriber
-SUBSCRIPTION_BYTES = 256  # longest message that a subscriber may send
+SUBSCRIPTION_BYTES = 512  # longest message that a subscriber may send; a handshake with keys needs 300
 # A subscriber that vanished gives its queue back after 15 s. By TCP and not by ZMTP's heartbeats, with which
 # libzmq (4.3.5) aborts the process when a connection ends whose queue is full (libzmq issues 4364, 4767).
 KEEPALIVE_IDLE_S, KEEPALIVE_PERIOD_S, KEEPALIVE_PROBES = 5, 5, 2
 
 
 class ZeroMQTransport(Transport):
-    """Publishes on `endpoint`; binds at once. Raises UsageError when that is not possible."""
+    """Publishes on `endpoint`; binds at once. Raises UsageError when that is not possible.
+
+    keys: the folder of the camera's keys, where only who has one of `clients` in it may listen.
+    """
 
     name: ClassVar[str] = "zeromq"
 
-    def __init__(self, endpoint: str, encoding: str) -> None:
+    def __init__(self, endpoint: str, encoding: str, keys: Path | None = None) -> None:
         super().__init__()
         self._encoding = encoding
         self._sent = self._lost = 0
+        self._authenticator: ThreadAuthenticator | None = None
         self._topics: set[bytes] = set()
         self._context = zmq.Context()
         self._socket = self._context.socket(zmq.XPUB)
@@ -41,6 +49,8 @@ class ZeroMQTransport(Transport):
         self._socket.tcp_keepalive_intvl = KEEPALIVE_PERIOD_S
         self._socket.tcp_keepalive_cnt = KEEPALIVE_PROBES
         self._socket.ipv6 = "[" in endpoint
+        if keys is not None:
+            self._use_keys(keys)
         try:
             self._socket.bind(endpoint)
         except zmq.ZMQError as error:
@@ -49,6 +59,19 @@ class ZeroMQTransport(Transport):
                 f"{endpoint}: {error.strerror}: end the program that has it, or choose another with --zmq"
             ) from None
         self.endpoint = self._socket.getsockopt_string(zmq.LAST_ENDPOINT)
+
+    def _use_keys(self, folder: Path) -> None:
+        """Encrypt, and let in the keys of the folder only. Raises UsageError."""
+        try:
+            public, secret = pair(folder / f"{CAMERA}.key_secret")
+        except VoltcamError as error:
+            self._close()
+            raise UsageError(f"access.curve_keys: {error}") from None
+        self._authenticator = ThreadAuthenticator(self._context)
+        self._authenticator.start()
+        self._authenticator.configure_curve(domain="*", location=folder / CLIENTS)
+        self._socket.curve_publickey, self._socket.curve_secretkey = public, secret
+        self._socket.curve_server = True
 
     @property
     def status(self) -> TransportStatus:
@@ -75,4 +98,6 @@ class ZeroMQTransport(Transport):
 
     def _close(self) -> None:
         self._socket.close()
+        if self._authenticator is not None:
+            self._authenticator.stop()
         self._context.term()

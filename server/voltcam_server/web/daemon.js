@@ -20,8 +20,10 @@ export async function ask(path, method = "GET", body = undefined) {
     throw new Error("The daemon does not answer.");
   });
   const answer = await response.json().catch(() => ({}));
-  if (!response.ok) throw new Error(answer.detail ?? `The daemon answers ${response.status}.`);
-  return answer;
+  if (response.ok) return answer;
+  const error = new Error(answer.detail ?? `The daemon answers ${response.status}.`);
+  error.needsToken = response.status === 401;
+  throw error;
 }
 
 /** Waits that double: call it for the next one in ms, `reset` it after a success. */

@@ -22,13 +22,16 @@ async function watch() {
     shown.uptime_s = status.uptime_s;
     if (!here && !document.hidden) open();
     here = true;
+    find("session").hidden = true;
     backoff.reset();
     if (status.parameters_version !== shown.version) await refresh();
     showStatus(status);
   } catch (error) {
     here = false;
     close();
-    showState("gone", `${error.message} Trying again…`);
+    find("session").hidden = !error.needsToken;
+    if (error.needsToken) showState("locked", "");
+    else showState("gone", `${error.message} Trying again…`);
   }
   setTimeout(watch, here ? STATUS_PERIOD_MS : backoff.next());
 }
@@ -85,9 +88,9 @@ function showState(state, words) {
   banner.hidden = words === "";
 }
 
-function showStatus({ source, frames, latency, uptime_s }) {
-  const well = source.state === "running" || source.state === "opening";
-  showState(source.state, well ? "" : `Source ${source.state}. ${source.message}`);
+function showStatus({ state, reason, load, source, frames, latency, uptime_s }) {
+  const well = state === "running" || state === "starting";
+  showState(state, well ? "" : `${state[0].toUpperCase()}${state.slice(1)}: ${reason}`);
   if (source.uri !== shown.source) find("source-uri").value = shown.source = source.uri;
   shown.request = source.request; // its fit, loop... hold for the next source too
   const size = source.granted ? `${source.granted.width} × ${source.granted.height}, ` : "";
@@ -96,8 +99,10 @@ function showStatus({ source, frames, latency, uptime_s }) {
     "packets lost": live.lost,
     "frames received": frames.received,
     "frames dropped": frames.dropped,
+    "frames skipped": frames.skipped,
+    load: load.toFixed(2),
     "events not drawn": live.skipped,
-    latency: `${latency.sent_ms.toFixed(1)} ms`,
+    "age of events": `${latency.age_ms.toFixed(1)} ms`,
     "up for": duration(uptime_s),
   });
 }
@@ -113,6 +118,17 @@ function duration(seconds) {
   const parts = [seconds / 3600, (seconds / 60) % 60, seconds % 60];
   return parts.map((part) => String(Math.floor(part)).padStart(2, "0")).join(":");
 }
+
+find("session").addEventListener("submit", async (event) => {
+  event.preventDefault();
+  try {
+    await ask("session", "POST", { token: find("token").value });
+    find("token").value = find("session-error").textContent = "";
+    backoff.reset();
+  } catch ({ message }) {
+    find("session-error").textContent = message;
+  }
+});
 
 find("source").addEventListener("submit", async (event) => {
   event.preventDefault();

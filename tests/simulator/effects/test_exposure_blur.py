@@ -69,7 +69,7 @@ def test_a_still_scene_stays_still() -> None:
 
 
 def test_an_exposure_shorter_than_the_clock_tells_is_none() -> None:
-    """At the times of this century a double tells a quarter of a microsecond: the mean was one over nothing."""
+    """At times of this century a double tells a quarter of a microsecond: the mean was one over nothing."""
     runs = []
     for exposure_us in (0, 1e-3):
         simulator = Simulator(

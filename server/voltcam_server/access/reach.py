@@ -1,0 +1,48 @@
+"""From where the daemon can be reached: beyond this machine only by those who may."""
+
+import ipaddress
+import socket
+from typing import TYPE_CHECKING
+
+from ..problems import UsageError
+from .tokens import Tokens
+
+if TYPE_CHECKING:
+    from ..settings import Settings
+
+
+def host_of(address: str) -> str:
+    """The host of HOST:PORT."""
+    return address.rpartition(":")[0].strip("[]")
+
+
+def check_reach(settings: "Settings", tokens: Tokens) -> None:
+    """Refuse to start where anyone could come. Raises UsageError with the remedy."""
+    access = settings.access
+    if not _is_loopback(host_of(settings.http)) and not tokens:
+        raise UsageError(
+            f"--http {settings.http} is open to the network, and there is no token: set VOLTCAM_TOKEN to one "
+            "made with `openssl rand -hex 32`, or access.tokens_file in the config file, or stay on 127.0.0.1"
+        )
+    if settings.zmq.startswith("tcp://"):
+        host = host_of(settings.zmq.removeprefix("tcp://"))
+        if not _is_loopback(host) and access.curve_keys is None:
+            raise UsageError(
+                f"--zmq {settings.zmq} is open to the network, and there are no keys: make some with "
+                "`voltcam keys`, name their folder as access.curve_keys in the config, or stay on 127.0.0.1"
+            )
+    if (access.tls_certificate is None) != (access.tls_key is None):
+        raise UsageError("https needs both access.tls_certificate and access.tls_key")
+
+
+def _is_loopback(host: str) -> bool:
+    """Whether only this machine reaches what is bound to a host; a name counts as all its addresses."""
+    try:
+        return ipaddress.ip_address(host.partition("%")[0]).is_loopback
+    except ValueError:
+        pass
+    try:
+        found = socket.getaddrinfo(host, None)
+    except OSError:
+        return False
+    return all(ipaddress.ip_address(str(info[4][0]).partition("%")[0]).is_loopback for info in found)

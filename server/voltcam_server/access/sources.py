@@ -1,0 +1,58 @@
+"""Which sources may be asked for over REST. What the operator names in settings is not held to this."""
+
+from collections.abc import Sequence
+from fnmatch import fnmatchcase
+from pathlib import Path
+from urllib.parse import urlsplit
+
+from voltcam_video import SourceRequest
+
+from .paths import AccessError, resolve_under
+from .settings import AccessSettings
+
+
+class SourceRules:
+    """own: the source of the settings, which may always be asked for again."""
+
+    def __init__(self, settings: AccessSettings, own: str) -> None:
+        self._settings, self._own = settings, own
+
+    def allowed(self, request: SourceRequest) -> SourceRequest:
+        """The request, with the path of a file resolved. Raises AccessError."""
+        uri = request.uri
+        if uri in (self._own, "scene") or request.shown == self._own:
+            return request
+        if request.device is not None:
+            self._check(request.device, self._settings.source_devices, "source_devices")
+            return request
+        if "://" in uri or urlsplit_scheme(uri):
+            self._check(uri, self._settings.source_urls, "source_urls")
+            return request
+        return request.model_copy(update={"uri": str(self.path(uri))})
+
+    def path(self, name: str) -> Path:
+        """A recording's path. Raises AccessError."""
+        path = resolve_under(self._settings.source_folders, name)
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            raise AccessError(f"{name[:80]!r} is neither a file nor a folder")
+        return path
+
+    def stream(self, address: str) -> str:
+        """The ZeroMQ address of another camera, for a diagnosis. Raises AccessError."""
+        self._check(address, self._settings.streams, "streams")
+        return address
+
+    @staticmethod
+    def _check(wanted: str, patterns: Sequence[str], setting: str) -> None:
+        # The host must not be what a pattern's star has swallowed, as in rtsp://good.local@evil/.
+        plain = "@" not in urlsplit(wanted).netloc
+        if not any((plain or "@" in pattern) and fnmatchcase(wanted, pattern) for pattern in patterns):
+            raise AccessError(
+                f"{wanted[:80]!r} is not open to the network: its operator can add it to access.{setting}"
+            )
+
+
+def urlsplit_scheme(uri: str) -> bool:
+    """Whether OpenCV or FFmpeg may take this for a protocol of theirs, such as concat:a|b or file:x."""
+    head, colon, _ = uri.partition(":")
+    return bool(colon) and "/" not in head
