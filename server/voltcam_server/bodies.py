@@ -5,7 +5,7 @@ from typing import Any, NoReturn, TypeVar
 
 from pydantic import BaseModel, ValidationError
 from starlette.exceptions import HTTPException
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 
 from .problems import explain, one_line
 
@@ -16,10 +16,13 @@ Model = TypeVar("Model", bound=BaseModel)
 async def read_object(request: Request) -> dict[str, Any]:
     """The body as a JSON object. Raises HTTPException 413 for more than BODY_BYTES, 400 for anything else."""
     body = bytearray()
-    async for chunk in request.stream():
-        body += chunk
-        if len(body) > BODY_BYTES:
-            raise HTTPException(413, f"the body is longer than {BODY_BYTES} bytes: send less at once")
+    try:
+        async for chunk in request.stream():
+            body += chunk
+            if len(body) > BODY_BYTES:
+                raise HTTPException(413, f"the body is longer than {BODY_BYTES} bytes: send less at once")
+    except ClientDisconnect:
+        raise HTTPException(400, "the body did not come") from None
     try:
         content = json.loads(body, parse_constant=_no_number)
     except (ValueError, RecursionError) as error:

@@ -11,6 +11,9 @@ from voltcam_video import Granted, SourceError, SourceRequest, SourceState, watc
 from .mailbox import Arrival, Mailbox
 from .problems import one_line
 
+OPEN_S = 30.0  # a stream may take a while, a hanging one for ever
+LEAVE_S = 2.0
+
 
 class Capture:
     """One source, watched until it ends or `stop`.
@@ -32,7 +35,7 @@ class Capture:
         self._on_state = on_state
         self._stop, self._go, self._decided = threading.Event(), threading.Event(), threading.Event()
         self._opened = False
-        self._thread = threading.Thread(target=self._run, name="voltcam-capture")
+        self._thread = threading.Thread(target=self._run, name="voltcam-capture", daemon=True)
 
     def start(self) -> None:
         """Open the source; again does no harm."""
@@ -40,8 +43,9 @@ class Capture:
             self._thread.start()
 
     def wait_open(self) -> None:
-        """Wait for the first frame. Raises SourceError when there will be none."""
-        self._decided.wait()
+        """Wait for the first frame. Raises SourceError when there will be none, or none within OPEN_S."""
+        if not self._decided.wait(OPEN_S):
+            raise SourceError(f"{self.request.shown}: no frame within {OPEN_S:g} s: check that it is sending")
         if not self._opened:
             raise SourceError(self.state.message or f"{self.request.shown}: holds no frame")
 
@@ -55,7 +59,7 @@ class Capture:
         self._go.set()
         self._mailbox.wake()
         if self._thread.ident is not None:
-            self._thread.join()
+            self._thread.join(LEAVE_S)
 
     def _run(self) -> None:
         try:

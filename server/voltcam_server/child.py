@@ -4,15 +4,26 @@ import contextlib
 import os
 import signal
 import subprocess
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from .problems import UsageError
 
+# The kernel ends it when its parent is gone, also by kill -9; the parent may have gone before it asked.
+BEGIN = """
+import ctypes, os, signal, sys
+ctypes.CDLL(None).prctl(1, signal.SIGTERM)  # PR_SET_PDEATHSIG
+if os.getppid() != int(sys.argv[1]): sys.exit(1)
+os.nice(int(sys.argv[2]))
+os.execvp(sys.argv[3], sys.argv[3:])
+"""
+
 
 class Child:
     """Runs `command`, `nice` by 0 to 19; what it says on standard error goes to the file `log`.
 
+    It ends with the thread that made it, which must follow it to its end, and so with the daemon.
     It has a process group of its own, so that all of it can be ended, but no session: with Linux's autogroups
     priorities would count inside that session only.
     """
@@ -21,7 +32,7 @@ class Child:
         self._log = log
         with log.open("w") as errors:
             self._process = subprocess.Popen(
-                ["nice", "-n", str(nice), *command],
+                [sys.executable, "-c", BEGIN, str(os.getpid()), str(nice), *command],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.PIPE,
                 stderr=errors,

@@ -2,7 +2,9 @@
 
 import contextlib
 import logging
+import os
 import socket
+import sys
 from collections.abc import Callable, Iterator
 
 import uvicorn
@@ -50,7 +52,9 @@ def serve(settings: Settings, record: str | None, on_ready: Callable[[str, str],
         [*settings.access.hosts, host_of(settings.http)],
         secure=settings.access.tls_certificate is not None,
     )
+    emulator: Emulator | None = None
     with contextlib.ExitStack() as stack:
+        stack.callback(lambda: _leave(emulator))
         listener = stack.enter_context(_listen(settings.http))
         page = _url(listener, access.secure)
         zeromq = ZeroMQTransport(settings.zmq, settings.encoding, settings.access.curve_keys)
@@ -86,6 +90,16 @@ def serve(settings: Settings, record: str | None, on_ready: Callable[[str, str],
         server.run(sockets=[listener])
         if emulator.failure is not None:
             raise UsageError(f"the daemon failed: {where(emulator.failure)}: please report it")
+
+
+def _leave(emulator: Emulator | None) -> None:
+    """Do not wait for what cannot be ended: an interval that takes seconds, a disk that does not answer."""
+    if emulator is not None and emulator.busy:
+        logging.getLogger(__name__).warning(
+            "ended in the middle of work that takes long; recordings can be read"
+        )
+        sys.stdout.flush()
+        os._exit(0)
 
 
 def _about(camera: Camera, settings: Settings, zeromq: ZeroMQTransport) -> CameraAnswer:

@@ -34,10 +34,11 @@ DIAGNOSE = [
     "import sys; from voltcam_client.cli import main; sys.exit(main())",
     "diagnose",
 ]
-END_S = 2.0  # for a process that is told to end
+END_S = 0.7  # for a process that is told to end
 # Diagnosing takes what nobody else wants, gathering a little more: what it is too late for is lost.
 NICE = {"gathering": 10, "running": 19}
 SENTENCES, SENTENCE = 1000, 500  # the most that is kept, and characters of each
+FOLDER, REPORT = "voltcam-diagnosis-", "report.html"
 START, GATHERED = "start.yaml", "gathered.npz"  # the camera that a diagnosis begins from; of a stream
 
 Changes = dict[str, Any]
@@ -112,7 +113,7 @@ class Diagnosis:
     @property
     def report(self) -> Path | None:
         """The page for people, once there is one."""
-        return Path(self._state.folder, "report.html") if self._state.state == "done" else None
+        return Path(self._state.folder, REPORT) if self._state.state == "done" else None
 
     def start(self, request: DiagnosisRequest) -> DiagnosisState:
         """Begin, from the parameters in force.
@@ -155,6 +156,7 @@ class Diagnosis:
         """The daemon ends."""
         with self._control:
             self._end_child()
+            self._tidy_up()
 
     def accept(self) -> int:
         """Run with what was found, from the next frame on; returns the new parameters_version. What it left
@@ -188,21 +190,21 @@ class Diagnosis:
         return self._state.state in ("gathering", "running")
 
     def _tidy_up(self) -> None:
-        """Of the folder of the diagnosis before, what is large, and of no use to people."""
-        if not self._state.folder:
-            return
-        with contextlib.suppress(OSError):  # it is not ours alone
-            for path in Path(self._state.folder).iterdir():
-                if path.is_dir():
-                    shutil.rmtree(path, ignore_errors=True)
-                elif path.name == GATHERED:
-                    path.unlink()
+        """Of folders of diagnoses that are over: all of those without a report, the large things of others.
+
+        Also those of daemons that are gone, which may have been killed.
+        """
+        root = self._work or Path(tempfile.gettempdir())
+        for folder in root.glob(f"{FOLDER}*"):
+            pid = folder.name.removeprefix(FOLDER).partition("-")[0]
+            if pid == str(os.getpid()) or not Path("/proc", pid).exists():
+                _thin_out(folder)
 
     def _make_folder(self) -> Path:
         """A new one, with the camera as it is in it."""
         camera = self._emulator.camera.model_copy(update={"parameters": self._began})
         try:
-            folder = Path(tempfile.mkdtemp(prefix="voltcam-diagnosis-", dir=self._work))
+            folder = Path(tempfile.mkdtemp(prefix=f"{FOLDER}{os.getpid()}-", dir=self._work))
             (folder / START).write_text(camera.to_yaml())
         except OSError as error:
             raise UsageError(f"no folder for the diagnosis: {one_line(error)}: set TMPDIR") from None
@@ -260,6 +262,18 @@ class Diagnosis:
         with self._lock:
             self._state = self._state.model_copy(update=changes)
             self.changes += 1
+
+
+def _thin_out(folder: Path) -> None:
+    if not (folder / REPORT).exists():
+        shutil.rmtree(folder, ignore_errors=True)
+        return
+    with contextlib.suppress(OSError):  # it is not ours alone
+        for path in folder.iterdir():
+            if path.is_dir():
+                shutil.rmtree(path, ignore_errors=True)
+            elif path.name == GATHERED:
+                path.unlink()
 
 
 def _check_recording(path: Path) -> None:

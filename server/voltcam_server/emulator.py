@@ -28,6 +28,7 @@ from .status import FrameCounts, Latency, Meter, SourceStatus, State, Status
 from .transports import Transport
 
 STATUS_PERIOD_S = 1.0
+END_S, CLOSE_S = 1.5, 1.5  # for threads, and for a recording, when the daemon ends
 STALLED_S = 2.0  # so long without an interval's end is more than any overload takes
 
 
@@ -60,7 +61,8 @@ class Emulator:
         self._news = threading.Event()  # the status has changed
         self._capture = Capture(source, self._mailbox, self._news.set)
         self._opening: Capture | None = None
-        self._control = threading.Lock()  # one change of source or recording at a time
+        self._control = threading.Lock()  # one change of source or recording at a time; held briefly
+        self._looking = threading.Lock()  # held while a source is opened
         self._recorder: Recorder | None = None
         self._arrived, self._events, self._packets = Meter(), Meter(), Meter()
         self._frame_seq = 0
@@ -70,7 +72,7 @@ class Emulator:
         self._started_s = time.monotonic()
         self._stopping = False
         self._threads = [
-            threading.Thread(target=self._guarded, args=(run,), name=f"voltcam-{name}")
+            threading.Thread(target=self._guarded, args=(run,), name=f"voltcam-{name}", daemon=True)
             for name, run in (
                 ("simulation", self._simulate),
                 ("pacer", self._pacer.run),
@@ -87,20 +89,27 @@ class Emulator:
         self._capture.go()
 
     def stop(self) -> None:
-        """End all threads, and finish a recording."""
+        """End all threads, and finish a recording. What does not end within END_S is left, see `busy`."""
         self._stopping = True
         if self._opening:  # a source that takes its time is not waited for
             self._opening.stop()
+        deadline_s = time.monotonic() + END_S
         with self._control:
-            self._capture.stop()
             self._mailbox.close()
+            self._capture.stop()
             self._pacer.stop()
             self._news.set()
             for thread in self._threads:
                 if thread.ident is not None:
-                    thread.join()
+                    thread.join(max(0.0, deadline_s - time.monotonic()))
             if self._recorder:
-                self._recorder.close()
+                self._recorder.close(CLOSE_S)
+
+    @property
+    def busy(self) -> bool:
+        """After `stop`: whether something goes on that cannot be ended, such as an interval of seconds."""
+        recorder = self._recorder
+        return any(thread.is_alive() for thread in self._threads) or (recorder is not None and recorder.busy)
 
     @property
     def ready(self) -> bool:
@@ -121,38 +130,52 @@ class Emulator:
         )
 
     def look_at(self, request: SourceRequest) -> None:
-        """Change the source. Raises SourceError when the new one cannot be opened: the old one goes on."""
-        with self._control:
+        """Change the source. While the new one is opened the old one goes on, unless both are one camera.
+
+        Raises SourceError when it cannot be opened: the old one goes on; UsageError while another is opened.
+        """
+        if not self._looking.acquire(blocking=False):
+            raise UsageError("another source is being opened: wait until that is done")
+        try:
             self._check_running()
             former = self._capture
             if request.uri == former.request.shown:  # as we told it: without the password
                 request = request.model_copy(update={"uri": former.request.uri})
-            exclusive = former.has_device(request.device)
-            if exclusive:
-                former.stop()
-            new = self._opening = Capture(request, self._mailbox, self._news.set)
-            new.start()
-            try:
-                new.wait_open()
-            except SourceError:
-                new.stop()
-                if exclusive:
-                    granted = former.state.granted
-                    self._use(Capture(former.request, self._mailbox, self._news.set, granted))
-                raise
-            finally:
-                self._opening = None
+            self._use(self._opened(request, former))
+        finally:
+            self._looking.release()
+
+    def _opened(self, request: SourceRequest, former: Capture) -> Capture:
+        exclusive = former.has_device(request.device)
+        if exclusive:
             former.stop()
-            self._use(new)
+        new = self._opening = Capture(request, self._mailbox, self._news.set)
+        new.start()
+        try:
+            new.wait_open()
+        except SourceError:
+            new.stop()
+            if exclusive:
+                granted = former.state.granted
+                self._use(Capture(former.request, self._mailbox, self._news.set, granted))
+            raise
+        finally:
+            self._opening = None
+        return new
 
     def _check_running(self) -> None:
         if self._stopping:
             raise UsageError("the daemon is ending: start it again")
 
     def _use(self, capture: Capture) -> None:
-        self._capture = capture
-        capture.start()
-        capture.go()
+        with self._control:
+            self._capture.stop()
+            if self._stopping:
+                capture.stop()
+                return
+            self._capture = capture
+            capture.start()
+            capture.go()
 
     def record(self, path: str) -> RecordingStatus:
         """Begin a recording. Raises FormatError, RecordingError, or UsageError when there is one already."""

@@ -1,5 +1,6 @@
 """What a person is told about input that is wrong: one line that names the key and the remedy."""
 
+import reprlib
 import traceback
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -45,7 +46,7 @@ def _one(fault: Any, model: type[BaseModel]) -> str:
     *above, key = fault["loc"] or ("it",)
     if fault["type"] == "extra_forbidden":
         return f"{dotted([*above, key])}: there is no such key, only {', '.join(_keys(above, model))}"
-    given = repr(fault["input"])
+    given = reprlib.repr(fault["input"])  # bounded: a few lines of YAML can mean a billion words
     given = given if len(given) <= SHOWN else given[:SHOWN] + "..."
     return one_line(f"{dotted([*above, key])}: {fault['msg']}, not {given}")
 

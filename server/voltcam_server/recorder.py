@@ -1,5 +1,6 @@
 """A recording on the daemon's side: all events and frames from now on, into one file."""
 
+import contextlib
 import queue
 import threading
 from pathlib import Path
@@ -35,16 +36,23 @@ class Recorder:
         self._frames = 0
         self._error: str | None = None
         self._queue: queue.Queue[Interval | None] = queue.Queue(QUEUE_INTERVALS)
-        self._thread = threading.Thread(target=self._run, name="voltcam-recorder")
+        self._thread = threading.Thread(target=self._run, name="voltcam-recorder", daemon=True)
         self._thread.start()
 
     def put(self, interval: Interval) -> None:
         self._queue.put(interval)
 
-    def close(self) -> None:
-        """Write what waits, and finish the file."""
-        self._queue.put(None)
-        self._thread.join()
+    def close(self, limit_s: float | None = None) -> None:
+        """Write what waits, and finish the file. What takes longer than `limit_s` is left to its thread: the
+        file can be read as it is then, as after a crash."""
+        with contextlib.suppress(queue.Full):
+            self._queue.put(None, timeout=limit_s)
+        self._thread.join(limit_s)
+
+    @property
+    def busy(self) -> bool:
+        """Whether its thread goes on."""
+        return self._thread.is_alive()
 
     @property
     def status(self) -> RecordingStatus:

@@ -181,6 +181,8 @@ def _from_file(path: Path) -> dict[str, Any]:
         raise UsageError(f"{path} cannot be read: {error.strerror}: check --config") from None
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise UsageError(f"{path} is not readable as YAML: {one_line(error)}") from None
+    except RecursionError:
+        raise UsageError(f"{path} is nested too deep to be a config file") from None
     if content is None:
         return {}
     if not isinstance(content, dict):

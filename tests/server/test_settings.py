@@ -123,7 +123,7 @@ def test_faults_elsewhere(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        ("width: -1", "width: Input should be greater than or equal to 1, not -1"),
+        ("width: -1\nheight: 4", "width: Input should be greater than or equal to 1, not -1"),
         ("comparator: {theta_on: 0}", "comparator.theta_on: "),
         ("shutter: {}", "shutter: there is no such key"),
         ("[]", "is not a camera file"),

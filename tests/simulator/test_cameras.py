@@ -47,11 +47,13 @@ def test_what_a_file_leaves_out_has_its_default(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "error", "message"),
     [
-        ("width: 0\n", ValidationError, "width"),
+        ("width: 0\nheight: 4\n", ValidationError, "width"),
         ("comparator: {theta_on: -1}\n", ValidationError, "theta_on"),
         ("thresholds: 3\n", ValidationError, "thresholds"),
         ("- 1\n", ValueError, "not a camera file"),
         ("a: [\n", ValueError, "not readable as YAML"),
+        ("width: 64\n", ValueError, "no height: give width and height, or neither"),
+        ("[" * 5000, ValueError, "nested too deep"),
     ],
 )
 def test_a_broken_file_is_named(tmp_path: Path, content: str, error: type[Exception], message: str) -> None:

@@ -17,6 +17,7 @@ def resolve_under(folders: Sequence[Path], name: str) -> Path:
     """
     if "\0" in name or any(len(part.encode()) > LONGEST_NAME for part in Path(name).parts):
         raise AccessError(f"{name[:40]!r} is no name for a file: give one of at most {LONGEST_NAME} bytes")
+    roots: list[Path] = []
     try:
         roots = [folder.resolve() for folder in folders]
         path = (roots[0] / name).resolve() if roots else None

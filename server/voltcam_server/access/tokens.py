@@ -19,7 +19,7 @@ class Tokens:
     """The tokens of a daemon; without any, everyone who reaches it has control."""
 
     def __init__(self, tokens: list[tuple[Role, str]]) -> None:
-        self._tokens = [(role, token.encode()) for role, token in tokens]
+        self._tokens: list[tuple[Role, bytes]] = [(role, token.encode()) for role, token in tokens]
 
     def __bool__(self) -> bool:
         return bool(self._tokens)

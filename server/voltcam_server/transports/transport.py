@@ -10,6 +10,7 @@ from pydantic import BaseModel
 from ..messages import Message
 
 OUTBOX_BYTES = 32 * 2**20
+END_S = 1.0
 
 
 class ClientStatus(BaseModel):
@@ -67,8 +68,9 @@ class Transport(ABC):
             self._stopping = True
             self._changed.notify_all()
         if self._thread.ident is not None:
-            self._thread.join()
-        self._close()
+            self._thread.join(END_S)
+        if not self._thread.is_alive():  # what a thread still uses must not be taken from it
+            self._close()
 
     @abstractmethod
     def _close(self) -> None:

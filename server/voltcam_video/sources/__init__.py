@@ -36,6 +36,9 @@ def _kind(request: SourceRequest) -> type[Source]:
         return DeviceSource
     if "://" in uri:
         return NetworkSource
-    if Path(uri).is_dir():
+    path = Path(uri)
+    if path.is_dir():
         return ImagesSource
+    if path.exists() and not path.is_file():  # reading a pipe or a socket may wait for ever
+        raise SourceError(f"{request.shown} is neither a file nor a folder: give a recording")
     return NpzSource if uri.endswith(".npz") else FileSource

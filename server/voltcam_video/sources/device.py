@@ -2,6 +2,7 @@
 
 import math
 import os
+import stat
 import threading
 import time
 from collections.abc import Callable
@@ -109,6 +110,9 @@ class DeviceSource(LiveSource):
 def _check(path: str) -> None:
     """Says why a device file cannot be opened, which OpenCV would not. Raises SourceError."""
     try:
+        mode = Path(path).stat().st_mode
+        if stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode):  # somebody's, behind /dev/fd
+            raise SourceError(f"{path} is no camera; {_cameras()}")
         os.close(os.open(path, os.O_RDWR | os.O_NONBLOCK))
     except FileNotFoundError:
         raise SourceError(f"{path}: no such device; {_cameras()}") from None

@@ -26,9 +26,10 @@ from voltcam_video.clock import Clock
 from voltcam_video.frame import Frame
 from voltcam_video.request import SourceRequest
 from voltcam_video.sources.recorded import RecordedSource
-from voltcam_video.sources.source import Granted
+from voltcam_video.sources.source import Granted, SourceError
 
 WIDTH, HEIGHT, FPS = 346, 260, 60.0
+MOST_PIXELS = 4096 * 4096  # drawing takes some 30 bytes of each
 PERIOD_US = 20_000_000
 
 # Texture: each wave (p, q, phase in turns) has p and q periods per TILE units; the velocity (VX, VY) makes
@@ -150,6 +151,10 @@ class SceneSource(RecordedSource):
     def __init__(self, request: SourceRequest, clock: Clock, stop: threading.Event) -> None:
         super().__init__(request, clock, stop)
         self._width, self._height = request.width or WIDTH, request.height or HEIGHT
+        if self._width * self._height > MOST_PIXELS:
+            raise SourceError(
+                f"a scene of {self._width} x {self._height} is too large: give at most {MOST_PIXELS} pixels"
+            )
         self._fps = request.fps or FPS
         self.granted = Granted(
             kind="scene",

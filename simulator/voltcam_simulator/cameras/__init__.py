@@ -42,6 +42,8 @@ class Camera(BaseModel):
             content = yaml.safe_load(Path(name).read_text())
         except (yaml.YAMLError, UnicodeDecodeError) as error:
             raise ValueError(f"{name} is not readable as YAML: {' '.join(str(error).split())}") from None
+        except RecursionError:
+            raise ValueError(f"{name} is nested too deep to be a camera file") from None
         if not isinstance(content, dict):
             raise ValueError(
                 f"{name} is not a camera file: it must hold name, width, height and parameters by effect"
@@ -52,6 +54,11 @@ class Camera(BaseModel):
     def from_mapping(cls, content: dict[str, Any]) -> "Camera":
         """From the flat layout of a camera file."""
         own = {key: content[key] for key in ("name", "width", "height") if key in content}
+        if ("width" in own) != ("height" in own):
+            missing = "height" if "width" in own else "width"
+            raise ValueError(
+                f"{own.get('name', 'the camera')} has no {missing}: give width and height, or neither"
+            )
         rest = {key: value for key, value in content.items() if key not in own}
         return cls(**own, parameters=Parameters.model_validate(rest))
 
