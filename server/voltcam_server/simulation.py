@@ -20,7 +20,8 @@ from .overload import Load, OverloadSettings, coarser
 from .problems import one_line
 from .settings import Upsample
 
-MISSED_AT_LEAST = 2  # dropped frames make the time between too long to be simulated in time
+MISSED_AT_LEAST = 2  # dropped frames, of which what was between is skipped
+MOST_PERIODS = 2  # of frames, that simulating it may take: on a machine that was late for once it is not
 PATIENCE_FRAMES = 10  # so many stamps in a row that do not advance mean that the source's clock was set back
 FIRST_PERIOD_US = 33_333
 PREPARED_US, PREPARED_EVENTS = (10_000, 10, 1), 10_000
@@ -63,8 +64,8 @@ class Simulation:
     one frame period after the last one, and those after it likewise. With upsample "cubic" frames are taken
     one later, when the curve beyond them is known.
 
-    What is too much is skipped: an interval with two or more dropped frames in it, one that is too long, one
-    with too many events. The next interval goes on from the frame at its end.
+    What is too much is skipped: an interval with two or more dropped frames in it that would take long, one
+    that is too long, one with too many events. The next interval goes on from the frame at its end.
     """
 
     def __init__(
@@ -205,7 +206,7 @@ class Simulation:
     def _too_much(self, span_us: int, missed: int) -> str:
         """Why an interval is not simulated; empty when it is."""
         longest_us = self._overload.longest_interval_us
-        if missed >= MISSED_AT_LEAST:
+        if missed >= MISSED_AT_LEAST and (1 + missed) * self.load.ratio > MOST_PERIODS:
             return "frames come faster than they are simulated"
         if span_us > longest_us:
             return f"{span_us / 1e6:.3g} s between two frames, more than overload.longest_interval_us allows"

@@ -90,7 +90,6 @@ def test_when_the_simulation_is_slow_the_newest_frame_wins(monkeypatch: pytest.M
     spans = np.diff([frame.t_us for frame in listener.frames])
     assert spans.max() > 100_000  # what was dropped and skipped
     status = emulator.status.frames
-    assert status.skipped >= 1
     assert 0 <= status.received - status.simulated - status.dropped - status.skipped <= 2
 
 

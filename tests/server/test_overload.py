@@ -60,6 +60,7 @@ def test_where_frames_were_dropped_events_are_those_between_two_frames_in_a_row(
     images = moving_frames(6, camera)
     simulation, simulator = Simulation(camera, "exact", 5), Simulator(24, 16, camera.parameters, seed=5)
     simulation.step(arrival(images[0], 0))
+    simulation.load.worked(1.0, 10_000)  # a hundred times too slow
     skipped = simulation.step(arrival(images[4], 40_000, missed=3))
     interval = simulation.step(arrival(images[5], 50_000))
     simulator.advance(images[0], 0)
@@ -69,6 +70,21 @@ def test_where_frames_were_dropped_events_are_those_between_two_frames_in_a_row(
     assert (skipped.events.size, simulation.skipped_us) == (0, 40_000)
     np.testing.assert_array_equal(interval.events, simulator.advance(images[5], 50_000))
     assert interval.events.size > 100
+
+
+def test_what_a_fast_machine_was_late_for_is_not_skipped() -> None:
+    camera = tiny()
+    images = moving_frames(6, camera)
+    simulation, simulator = Simulation(camera, "exact", 5), Simulator(24, 16, camera.parameters, seed=5)
+    simulation.load.worked(0.0001, 10_000)
+    for step in (
+        simulation.step(arrival(images[0], 0)),
+        simulation.step(arrival(images[4], 40_000, missed=3)),
+    ):
+        assert step is not None
+    simulator.advance(images[0], 0)
+    np.testing.assert_array_equal(step.events, simulator.advance(images[4], 40_000, 4))
+    assert simulation.skipped == 0
 
 
 def test_steps_of_an_interval_are_bounded() -> None:
