@@ -9,8 +9,10 @@ JOBS ?= 2
 
 # Of patches: how many changes of parameters.
 COUNT ?= 100000
+# Of soak: how long.
+MINUTES ?= 60
 
-.PHONY: run test check format hidden-effects patches clean calibration-table
+.PHONY: run test check format hidden-effects patches soak clean calibration-table
 
 run: .venv/installed-server
 	$(BIN)/voltcam serve
@@ -35,6 +37,9 @@ format: .venv/installed-dev
 hidden-effects: .venv/installed-dev
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 nice -n 10 \
 		$(BIN)/python -m tests.hidden_effects $(if $(SEED),--seed $(SEED)) --cases '$(CASES)' --jobs $(JOBS)
+
+soak: .venv/installed-dev
+	$(BIN)/python -m tests.campaigns.soak --minutes $(MINUTES) $(if $(SEED),--seed $(SEED))
 
 patches: .venv/installed-dev
 	$(BIN)/python -m tests.campaigns.patches --count $(COUNT) $(if $(SEED),--seed $(SEED))

@@ -24,6 +24,7 @@ from .settings import Settings
 from .signals import ended_by_signal
 from .transports import WebSocketTransport, ZeroMQTransport
 
+NOT_OURS = ("graceful shutdown", "Invalid HTTP request", "Unsupported upgrade request")
 GRACE_S = 1  # for HTTP requests under way when the daemon ends
 
 
@@ -129,9 +130,10 @@ def _web_server(app: FastAPI, settings: Settings) -> uvicorn.Server:
         ssl_certfile=settings.access.tls_certificate,
         ssl_keyfile=settings.access.tls_key,
     )
-    # A client that does not read cannot be told of the end: that is no error of anyone's.
+    # A client that does not read cannot be told of the end, and what is no HTTP is answered with 400: neither
+    # is an error of ours, and strangers must not fill the log.
     logging.getLogger("uvicorn.error").addFilter(
-        lambda record: "graceful shutdown" not in record.getMessage()
+        lambda record: not any(words in record.getMessage() for words in NOT_OURS)
     )
     return _Server(config)
 
