@@ -11,8 +11,10 @@ JOBS ?= 2
 COUNT ?= 100000
 # Of soak: how long.
 MINUTES ?= 60
+# Of fuzz: how long.
+SECONDS ?= 600
 
-.PHONY: run test check format hidden-effects patches soak clean calibration-table
+.PHONY: run test check format hidden-effects patches soak fuzz clean calibration-table
 
 run: .venv/installed-server
 	$(BIN)/voltcam serve
@@ -37,6 +39,9 @@ format: .venv/installed-dev
 hidden-effects: .venv/installed-dev
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 nice -n 10 \
 		$(BIN)/python -m tests.hidden_effects $(if $(SEED),--seed $(SEED)) --cases '$(CASES)' --jobs $(JOBS)
+
+fuzz: .venv/installed-dev
+	$(BIN)/python -m tests.campaigns.fuzz --seconds $(SECONDS) $(if $(SEED),--seed $(SEED))
 
 soak: .venv/installed-dev
 	$(BIN)/python -m tests.campaigns.soak --minutes $(MINUTES) $(if $(SEED),--seed $(SEED))

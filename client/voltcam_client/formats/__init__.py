@@ -13,7 +13,14 @@ from pathlib import Path
 from typing import Protocol
 
 from voltcam_client.formats import aedat4, csv, hdf5, npz, raw, rosbag, spool, txt
-from voltcam_client.formats.recording import FormatError, Recording, RecordingError, fault_in
+from voltcam_client.formats.bounds import whole
+from voltcam_client.formats.recording import (
+    LONGEST_SIDE,
+    FormatError,
+    Recording,
+    RecordingError,
+    fault_in,
+)
 from voltcam_client.formats.writer import Writer
 
 __all__ = [
@@ -80,11 +87,13 @@ def read(path: str | Path) -> Recording:
     path = Path(path)
     try:
         path.stat()  # one that is not there is no matter of formats
-        recording = _reader_of(path)(path)
+        with whole(path):
+            recording = _reader_of(path)(path)
     except OSError as error:
-        raise RecordingError(
-            f"{path} cannot be read: {error.strerror}: check the name and its rights"
-        ) from error
+        reason = error.strerror or "it is damaged"
+        raise RecordingError(f"{path} cannot be read: {reason}: check the name and its rights") from error
+    if max(recording.width, recording.height) > LONGEST_SIDE:
+        raise FormatError(f"{path} says {recording.width}x{recording.height} pixels: no sensor has so many")
     fault = fault_in(recording.events, recording.width, recording.height)
     if fault:
         raise FormatError(f"{path}, {fault}")

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from voltcam_client.encodings import EVENT, Events
 from voltcam_client.formats.recording import MAX_T_US, FormatError
 
+CUT = set("0123456789.+-e, \t\r")
+
 
 @dataclass(frozen=True)
 class Layout:
@@ -49,7 +51,8 @@ def read_events(path: Path, layout: Layout) -> Events:
         except FormatError:
             raise
         except ValueError as error:
-            raise FormatError(f"{path}, {_first_fault(path, layout) or error}") from error
+            fault = _first_fault(path, layout) or "a line is no event: give four numbers in each"
+            raise FormatError(f"{path}, {fault}") from error
     events = np.empty(rows.size, EVENT)
     events["t"] = np.rint(rows["t"] * 1e6) if layout.seconds else rows["t"]
     for column in "xyp":
@@ -64,6 +67,8 @@ def _whole_lines(path: Path, file: TextIO, layout: Layout) -> Iterator[str]:
     for line in file:
         if line.endswith("\n") or sum(map(bool, line.split(layout.separator))) == 4:
             yield line
+        elif not set(line) <= CUT:  # a crash leaves the beginning of an event
+            raise FormatError(f"{path} is no text of events: give lines {layout.columns!r}")
 
 
 def _first_fault(path: Path, layout: Layout) -> str | None:
@@ -72,8 +77,8 @@ def _first_fault(path: Path, layout: Layout) -> str | None:
         for number, line in enumerate(_whole_lines(path, file, layout), start=1 + layout.has_header):
             text = line.partition("#")[0].strip()
             if text and not _is_event(text.split(layout.separator), layout):
-                return (
-                    f"line {number}: {line.strip()[:60]!r} is not {layout.columns!r}: "
+                return (  # without the line itself: who asks over the network may not be allowed to read it
+                    f"line {number}: it is not {layout.columns!r}: "
                     "x and y are 0 to 65535, p is 0 or 1; correct the line or take it out"
                 )
     return None

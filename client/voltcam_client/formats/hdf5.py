@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voltcam_client.encodings import EVENT, Events
+from voltcam_client.formats.bounds import fits
 from voltcam_client.formats.library import grey, library, named, stacked
 from voltcam_client.formats.recording import FormatError, Recording, smallest_size
 
@@ -36,6 +37,7 @@ def read_hdf5(path: Path) -> Recording:
 
 
 def _events(path: Path, file: Any) -> Events:
+    _check_link(path, file, "events")
     group = file.get("events", file)
     for layout in _LAYOUTS:
         if layout[0] in group:
@@ -45,13 +47,33 @@ def _events(path: Path, file: Any) -> Events:
     missing = [name for name in layout if name not in group]
     if missing:
         raise FormatError(f"{path} has no events/{missing[0]}: give columns {', '.join(layout)}")
-    t, x, y, p = (group[name][()].ravel() for name in layout)
+    t, x, y, p = (_array(path, group, name).ravel() for name in layout)
     if not t.size == x.size == y.size == p.size:
         raise FormatError(f"{path}: its columns have {t.size}, {x.size}, {y.size}, {p.size} events: cut them")
     events = np.empty(t.size, EVENT)
-    events["t"] = _us(t) + (int(file["t_offset"][()]) if "t_offset" in file else 0)
+    events["t"] = _us(t) + (int(_array(path, file, "t_offset").ravel()[0]) if "t_offset" in file else 0)
     events["x"], events["y"], events["p"] = x, y, p > 0
     return events
+
+
+def _check_link(path: Path, group: Any, name: str) -> None:
+    """Nothing but the file itself is read. Raises FormatError for a link into another."""
+    link = group.get(name, getlink=True)
+    if type(link).__name__ == "ExternalLink":
+        raise FormatError(f"{path}: {name} is a link into another file: copy its data into this one")
+
+
+def _array(path: Path, group: Any, name: str) -> NDArray[Any]:
+    """All of a dataset that is in this file and no larger than it can be. Raises FormatError."""
+    _check_link(path, group, name)
+    dataset = group[name]
+    if dataset.external or dataset.is_virtual:
+        raise FormatError(f"{path}: the data of {name} are in another file: copy them into this one")
+    if dataset.dtype.kind not in "iufb":
+        raise FormatError(f"{path}: {name} holds no numbers: save it as numbers")
+    fits(path, dataset.size * dataset.dtype.itemsize)
+    array: NDArray[Any] = dataset[()]
+    return array
 
 
 def _us(t: NDArray[Any]) -> NDArray[np.int64]:
@@ -61,13 +83,18 @@ def _us(t: NDArray[Any]) -> NDArray[np.int64]:
 
 def _frames(path: Path, file: Any) -> tuple[NDArray[np.uint8] | None, NDArray[np.int64] | None]:
     if "frames" in file and "t_us" in file:
-        frames = stacked([grey(image) for image in file["frames"][()]], path)
-        return frames, file["t_us"][()].astype(np.int64)
-    images = [file["images"][name] for name in sorted(file["images"])] if "images" in file else []
+        frames = stacked([grey(image) for image in _array(path, file, "frames")], path)
+        return frames, _array(path, file, "t_us").astype(np.int64)
+    _check_link(path, file, "images")
+    names = sorted(file["images"]) if "images" in file else []
+    for name in names:
+        _check_link(path, file["images"], name)
+    images = [file["images"][name] for name in names]
     if not images or any("timestamp" not in image.attrs for image in images):
         return None, None  # DSEC keeps its images elsewhere
     seconds = np.array([float(image.attrs["timestamp"]) for image in images])
-    return stacked([grey(image[()], "BGR") for image in images], path), _us(seconds)
+    pictures = [grey(_array(path, file["images"], name), "BGR") for name in names]
+    return stacked(pictures, path), _us(seconds)
 
 
 def _size(file: Any, events: Events, frames: NDArray[np.uint8] | None) -> tuple[int, int]:

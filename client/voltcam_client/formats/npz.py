@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voltcam_client.encodings import EVENT, Events
+from voltcam_client.formats.bounds import check_arrays
 from voltcam_client.formats.recording import FormatError, Recording, RecordingError, smallest_size
 from voltcam_client.formats.spool import Spool, geometry_from_json, geometry_to_json, read_spool
 from voltcam_client.formats.writer import Writer, cannot_create, exists_already
@@ -35,6 +36,7 @@ class NpzWriter(Writer):
 
     def __init__(self, path: Path, width: int, height: int, *, overwrite: bool) -> None:
         super().__init__(path, width, height)
+        self._overwrite = overwrite
         self._folder = path.with_name(path.name + PARTIAL)
         if path.exists() and not overwrite:
             raise exists_already(path)
@@ -63,8 +65,18 @@ class NpzWriter(Writer):
         assembled = self._folder / "assembled.npz"
         try:
             _assemble(read_spool(self._folder), assembled)
-            assembled.replace(self.path)
+            if self._overwrite:
+                assembled.replace(self.path)
+            else:
+                os.link(assembled, self.path)  # fails where another program has made one meanwhile
             shutil.rmtree(self._folder)
+        except FileExistsError as error:
+            with contextlib.suppress(OSError):
+                assembled.unlink()
+            self._failure = RecordingError(
+                f"{self.path} was made by another program meanwhile: this recording is in {self._rescue()}"
+            )
+            raise self._failure from error
         except OSError as error:
             with contextlib.suppress(OSError):
                 assembled.unlink()
@@ -84,6 +96,7 @@ def read_npz(path: Path) -> Recording:
     """Read an .npz of events, with or without frames; FormatError says which array is not as it must be."""
     try:
         with zipfile.ZipFile(path) as archive, np.load(path, allow_pickle=False) as arrays:
+            check_arrays(path, archive)
             events = _events(path, arrays)
             if "frames" not in arrays:
                 return Recording(events, *_size(archive, events))

@@ -12,6 +12,7 @@ from voltcam_client.errors import VoltcamError
 # Times outside are no microseconds (2^32 s is the year 2106). Inside, a decimal in seconds held in a float64
 # is less than half a microsecond off, which is why text files are exact.
 MAX_T_US = 2**32 * 1_000_000
+LONGEST_SIDE = 1 << 16  # pixels: events keep 16 bits for x and y
 
 _BLOCK = 1 << 20  # events checked at a time: a mapped recording may be larger than the memory
 

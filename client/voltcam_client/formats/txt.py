@@ -58,8 +58,11 @@ def _read_image_list(path: Path) -> tuple[tuple[Path, ...], NDArray[np.int64]]:
             stamp, name = line.split(maxsplit=1)
             times.append(round(float(stamp) * 1e6))
         except (ValueError, OverflowError) as error:
-            raise FormatError(f"{path}, line {number}: {line[:60]!r} is not 't path': correct it") from error
-        paths.append(path.parent / name.strip())
+            raise FormatError(f"{path}, line {number}: it is not 't path': correct it") from error
+        image = path.parent / name.strip()
+        if not image.resolve().is_relative_to(path.parent.resolve()):
+            raise FormatError(f"{path}, line {number}: the image is outside of the folder: copy it there")
+        paths.append(image)
     return tuple(paths), np.array(times, np.int64)
 
 

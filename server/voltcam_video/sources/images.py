@@ -66,8 +66,10 @@ def _read_list(folder: Path) -> list[tuple[int, str]]:
                 f"{path}, line {number}: {t_us} us is not later than the line before ({entries[-1][0]} us); "
                 "sort the list by time and remove repeated lines"
             )
+        if not (folder / name).resolve().is_relative_to(folder.resolve()):
+            raise SourceError(f"{path}, line {number}: the image is outside of the folder; copy it there")
         if not (folder / name).is_file():
-            raise SourceError(f"{path}, line {number}: no such image: {name}; copy it or remove the line")
+            raise SourceError(f"{path}, line {number}: no such image; copy it or remove the line")
         entries.append((t_us, name))
     if not entries:
         raise SourceError(f"{path}: lists no image; write a line 'seconds filename' for each")
@@ -80,7 +82,7 @@ def _parse(line: str, where: str) -> tuple[int, str]:
         # Decimal, because epoch seconds with nanoseconds do not fit a float.
         return round(Decimal(seconds) * 1_000_000), name.strip()
     except (InvalidOperation, ValueError, OverflowError):
-        raise SourceError(f"{where}: not 'seconds filename': {line.strip()[:60]!r}") from None
+        raise SourceError(f"{where}: not 'seconds filename'; correct the line") from None
 
 
 def _read_image(path: Path) -> Image:

@@ -1,9 +1,11 @@
 """Frames in an .npz: `frames` (N, H, W) or, RGB, (N, H, W, 3); `t_us` (N,)."""
 
+import math
 import threading
 import zipfile
 import zlib
 from collections.abc import Iterator
+from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
@@ -16,6 +18,7 @@ from voltcam_video.sources.recorded import RecordedSource
 from voltcam_video.sources.source import Granted, SourceError
 
 HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+MOST_SWELL, SMALL_BYTES = 250, 1 << 26  # how much larger than the file its arrays may be
 DAMAGED = (OSError, EOFError, ValueError, zipfile.BadZipFile, zlib.error)
 
 
@@ -28,6 +31,7 @@ class NpzSource(RecordedSource):
         try:
             with zipfile.ZipFile(self._path) as archive:
                 self._check_names(archive)
+                self._check_sizes(archive)
                 with _member(archive, "frames") as file:
                     self._shape, self._dtype = self._check_frames(*_header(file))
                 with _member(archive, "t_us") as file:
@@ -55,6 +59,16 @@ class NpzSource(RecordedSource):
                 f"{self._path}: needs frames (N, H, W) uint8 and t_us (N,) int64, "
                 f"has {', '.join(sorted(found))}"
             )
+
+    def _check_sizes(self, archive: zipfile.ZipFile) -> None:
+        """Arrays are as large as they say, and what a small file can hold."""
+        for name in ("frames", "t_us"):
+            with _member(archive, name) as file:
+                shape, _, dtype = _header(file)
+            size = math.prod((dtype.itemsize, *map(int, shape)))  # of Python's numbers, which do not overflow
+            most = SMALL_BYTES + MOST_SWELL * Path(self._path).stat().st_size
+            if size > min(archive.getinfo(f"{name}.npy").file_size, most):
+                raise SourceError(f"{self._path}: damaged: {name} is not as large as it says; write it again")
 
     def _check_frames(
         self, shape: tuple[int, ...], fortran: bool, dtype: np.dtype[Any]

@@ -1,0 +1,223 @@
+"""Files made to do harm: one line, little memory, nothing read but the file."""
+
+import json
+import struct
+import subprocess
+import sys
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from voltcam_client.formats import FormatError, RecordingError, open_writer, read
+
+h5py = pytest.importorskip("h5py", reason="h5py is in the extra [lab]")
+
+MEMORY_BYTES = 4_000_000_000  # of address space: libraries take half of it
+READ = """
+import resource, sys
+from voltcam_client.formats import FormatError, RecordingError, read
+import numpy, h5py, faery, rosbags.highlevel
+limit = int(sys.argv[2])
+resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+try:
+    recording = read(sys.argv[1])
+    print("read", recording.events.size)
+except (FormatError, RecordingError) as error:
+    print(error)
+"""
+
+
+def _npy(shape: tuple[int, ...], dtype: str, data: bytes) -> bytes:
+    header = f"{{'descr': {dtype!r}, 'fortran_order': False, 'shape': {shape!r}, }}".encode()
+    header += b" " * (63 - (10 + len(header)) % 64) + b"\n"
+    return b"\x93NUMPY\1\0" + struct.pack("<H", len(header)) + header + data
+
+
+def _npz(path: Path, **arrays: bytes) -> None:
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in arrays.items():
+            archive.writestr(f"{name}.npy", data)
+
+
+def huge_shape(path: Path) -> None:
+    _npz(path, **{name: _npy((10**12,), "<i8", b"\0" * 80) for name in "txyp"})
+
+
+def shape_beyond_integers(path: Path) -> None:
+    _npz(path, **{name: _npy((2**62, 2**62), "<i8", b"\0" * 80) for name in "txyp"})
+
+
+def bomb(path: Path) -> None:
+    """A gigabyte of zeros in a megabyte."""
+    zeros = _npy((10**9 // 8,), "<i8", b"\0" * 10**9)
+    _npz(path, t=zeros, x=zeros, y=zeros, p=zeros)
+
+
+def python_objects(path: Path) -> None:
+    np.savez(path, t=np.array([{}], object), x=[1], y=[1], p=[1])
+
+
+def hdf5_huge(path: Path) -> None:
+    with h5py.File(path, "w") as file:
+        for name in "txyp":
+            file.create_dataset(f"events/{name}", (2**40,), "<i8", chunks=(2**20,))
+
+
+def hdf5_external_storage(path: Path) -> None:
+    with h5py.File(path, "w") as file:
+        for name in "txyp":
+            file.create_dataset(f"events/{name}", (100,), "u1", external=[("/etc/passwd", 0, 100)])
+
+
+def hdf5_external_link(path: Path) -> None:
+    other = path.with_name("other.hdf5")
+    with h5py.File(other, "w") as file:
+        for name in "txyp":
+            file[f"events/{name}"] = np.arange(5)
+    with h5py.File(path, "w") as file:
+        file["events"] = h5py.ExternalLink(str(other), "/events")
+
+
+def hdf5_virtual(path: Path) -> None:
+    other = path.with_name("other.hdf5")
+    with h5py.File(other, "w") as file:
+        file["t"] = np.arange(5)
+    layout = h5py.VirtualLayout((5,), "<i8")
+    layout[:] = h5py.VirtualSource(other, "t", (5,))
+    with h5py.File(path, "w") as file:
+        for name in "txyp":
+            file.create_virtual_dataset(f"events/{name}", layout)
+
+
+def hdf5_deep_loop(path: Path) -> None:
+    with h5py.File(path, "w") as file:
+        group = file.create_group("events")
+        for name in "txyp":
+            group[name] = h5py.SoftLink(f"/events/{name}")
+
+
+def raw_huge_size(path: Path) -> None:
+    path.write_bytes(b"% evt 3.0\n% geometry 999999999999x999999999999\n% end\n" + b"\0\x80" * 100)
+
+
+def raw_huge_t0(path: Path) -> None:
+    path.write_bytes(b"% evt 3.0\n% t0 " + b"9" * 400 + b"\n% end\n" + b"\0\x80" * 100)
+
+
+def raw_endless_header(path: Path) -> None:
+    path.write_bytes(b"% evt " * 10**6)
+
+
+def txt_nuls(path: Path) -> None:
+    path.write_bytes(b"\0" * 10**6)
+
+
+def txt_deep_number(path: Path) -> None:
+    path.write_bytes(b"0.1 " + b"1" * 10**6 + b" 2 1\n")
+
+
+def aedat_offsets(path: Path) -> None:
+    path.write_bytes(b"#!AER-DAT4.0\r\n" + struct.pack("<I", 2**31) + b"\xff" * 200)
+
+
+def aedat_tables(path: Path) -> None:
+    path.write_bytes(
+        b"#!AER-DAT4.0\r\n" + struct.pack("<I", 64) + struct.pack("<16I", *[2**32 - 4] * 16) + b"x" * 64
+    )
+
+
+def bag_chunks(path: Path) -> None:
+    path.write_bytes(b"#ROSBAG V2.0\n" + struct.pack("<I", 2**31) + b"\xff" * 400)
+
+
+def mcap_records(path: Path) -> None:
+    path.write_bytes(b"\x89MCAP0\r\n" + b"\1" + struct.pack("<Q", 2**60) + b"\xff" * 400)
+
+
+HOSTILE: dict[str, tuple[str, Callable[[Path], None]]] = {
+    make.__name__: (suffix, make)
+    for suffix, make in (
+        (".npz", huge_shape), (".npz", shape_beyond_integers), (".npz", bomb), (".npz", python_objects),
+        (".h5", hdf5_huge), (".h5", hdf5_external_storage), (".h5", hdf5_external_link),
+        (".h5", hdf5_virtual), (".h5", hdf5_deep_loop), (".raw", raw_huge_size),
+        (".raw", raw_huge_t0), (".raw", raw_endless_header),
+        (".txt", txt_nuls), (".txt", txt_deep_number), (".csv", txt_nuls), (".aedat4", aedat_offsets),
+        (".aedat4", aedat_tables), (".bag", bag_chunks), (".mcap", mcap_records), (".db3", txt_nuls),
+    )
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_hostile_files_give_one_line(name: str, tmp_path: Path) -> None:
+    suffix, make = HOSTILE[name]
+    path = tmp_path / f"hostile{suffix}"
+    make(path)
+    done = subprocess.run(
+        [sys.executable, "-c", READ, str(path), str(MEMORY_BYTES)],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert done.returncode == 0
+    assert done.stderr == "" or (
+        suffix == ".aedat4" and "panicked" in done.stderr
+    )  # faery's library says so itself
+    assert done.stdout.count("\n") == 1
+    assert str(path) in done.stdout
+    assert "root:" not in done.stdout
+    assert len(done.stdout) < 400
+
+
+def test_a_list_of_images_stays_in_its_folder(tmp_path: Path) -> None:
+    folder = tmp_path / "walk"
+    folder.mkdir()
+    (folder / "events.txt").write_text("0.1 1 2 1\n")
+    for name in ("../secret.png", "/etc/passwd"):
+        (folder / "images.txt").write_text(f"0.1 {name}\n")
+        with pytest.raises(FormatError, match="line 1: the image is outside") as refusal:
+            read(folder)
+        assert "passwd" not in str(refusal.value)
+
+
+def test_what_is_in_a_line_is_not_told(tmp_path: Path) -> None:
+    path = tmp_path / "secret.txt"
+    path.write_text("0.1 1 2 1\npassword: swordfish\n0.2 1 2 1\n")
+    with pytest.raises(FormatError, match="line 2") as refusal:
+        read(path)
+    assert "swordfish" not in str(refusal.value)
+
+
+def test_a_file_that_another_program_made_meanwhile_is_kept(tmp_path: Path, make_events) -> None:
+    path = tmp_path / "walk.npz"
+    writer = open_writer(path, width=346, height=260)
+    writer.events(make_events(100))
+    path.write_text("theirs")
+    with pytest.raises(RecordingError, match="another program") as refusal:
+        writer.close()
+    assert path.read_text() == "theirs"
+    assert ".partial" in str(refusal.value)
+    assert read(tmp_path / "walk.npz.partial").events.size == 100
+
+
+def test_a_spool_that_is_damaged_is_one_line(tmp_path: Path) -> None:
+    folder = tmp_path / "a.npz.partial"
+    folder.mkdir()
+    for geometry in (
+        {"width": -5, "height": 10**9},
+        {"width": 10**12, "height": 10**12},
+        [1],
+        {"width": "x"},
+    ):
+        (folder / "geometry.json").write_text(json.dumps(geometry))
+        (folder / "events.bin").write_bytes(b"\xff" * 1300)
+        (folder / "frames.bin").write_bytes(b"\0" * 1000)
+        with pytest.raises(FormatError) as refusal:
+            read(folder)
+        assert "\n" not in str(refusal.value)
+    (folder / "geometry.json").write_text("[" * 100_000)
+    with pytest.raises(FormatError):
+        read(folder)
