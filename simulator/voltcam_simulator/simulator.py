@@ -136,7 +136,8 @@ class Simulator:
     def jump(self, frame: ArrayLike, t_us: int) -> None:
         """Go on from another frame and time, earlier or later, with no events for the change.
 
-        A new time line begins: events of the old one that are still on their way are lost.
+        A new time line begins: events of the old one that are still on their way are lost. Where it goes on
+        forward, no event is stamped before those of the old one.
         """
         image = self._checked(frame)
         first = self._frame is None
@@ -145,7 +146,8 @@ class Simulator:
             self._pixels.start(t_us)
         self._pixels.forget_events()
         self._waiting.clear()
-        self._read_us, self._complete_us = t_us, self._stamped(t_us)
+        former_us = self._complete_us if t_us >= self._t_us and not first else self._stamped(t_us)
+        self._read_us, self._complete_us = t_us, max(former_us, self._stamped(t_us))
         self._frame, self._t_us = image, t_us
 
     def _steps(self, before: Image, after: Image, span_us: int, coarser: float) -> None:

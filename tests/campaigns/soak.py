@@ -48,6 +48,7 @@ class Soak:
         self._legal = Legal(daemon.get("parameters/schema"), seed)
         self._base = daemon.get("parameters")["parameters"]
         self.rss_mb: list[tuple[float, float]] = []
+        self.calm_rss_mb: list[tuple[float, float]] = []
         self.recoveries_s: list[float] = []
         self.calm_ages_ms: list[float] = []
         self.wild_ages_ms: list[float] = []
@@ -84,6 +85,7 @@ class Soak:
         for _ in range(CALM_S):
             self.calm_ages_ms.append(self._look())
             time.sleep(1)
+        self.calm_rss_mb.append(self.rss_mb[-1])
 
     def _is_itself(self) -> bool:
         """Whether what is sent is new, as before; a machine at its limit may drop a frame now and then."""
@@ -155,7 +157,7 @@ def _campaign(daemon: Daemon, folder: Path, seconds: float, seed: int) -> int:
         seen = [json.loads(each.communicate(timeout=60)[0] or "{}") for each in subscribers]
     rss_mb = daemon.most_rss_mb
     code, end_s, errors = daemon.end()
-    slope = _slope_mb_per_hour(soak.rss_mb)
+    slope = _slope_mb_per_hour(soak.calm_rss_mb)
     held = {
         "no change refused": not soak.refused,
         f"memory below {MOST_RSS_MB:.0f} MB": rss_mb < MOST_RSS_MB,
@@ -170,7 +172,8 @@ def _campaign(daemon: Daemon, folder: Path, seconds: float, seed: int) -> int:
     }
     lines = [
         f"{seconds / 60:.0f} minutes; refused: {soak.refused[:3]}",
-        f"memory: {rss_mb:.0f} MB at most, slope of the second half {slope:+.1f} MB an hour",
+        f"memory: {rss_mb:.0f} MB at most, slope of the later half, in calm, {slope:+.1f} MB an hour; calm: "
+        + " ".join(f"{mb:.0f}" for _, mb in soak.calm_rss_mb),
         f"frames: {status['frames']}, skipped {status['skipped_us'] / 1e6:.0f} s of the stream",
         f"age of what is sent, ms: calm {_spread(soak.calm_ages_ms)}; wild {_spread(soak.wild_ages_ms)}",
         *soak.late[:5],

@@ -295,3 +295,18 @@ def test_thresholds_at_their_limits(law: Law) -> None:
             expected *= 255 / 147.5 / math.log(275 / 20)  # its linearisation
         assert down == pytest.approx(expected, abs=2)
         assert up == pytest.approx(expected, abs=2)
+
+
+def test_a_jump_forward_stamps_nothing_before_what_has_left() -> None:
+    """Where the clock becomes coarser at a jump, its ticks begin before events that have left."""
+    parameters = only(junction_leak={"k4_per_us": 1e-4})
+    simulator = Simulator(8, 8, parameters, seed=1)
+    grey = np.full((8, 8), 50, np.uint8)
+    simulator.advance(grey, 0)
+    before = simulator.advance(grey, 900_000)
+    simulator.parameters = parameters.changed({"timestamp_quantum": {"quantum_us": 1_000_000}})
+    simulator.jump(grey, 950_000)
+    after = simulator.advance(grey, 1_100_000)
+    assert simulator.complete_us >= before["t"][-1]
+    assert after.size > 0
+    assert after["t"][0] >= before["t"][-1]
