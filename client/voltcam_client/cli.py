@@ -33,7 +33,6 @@ SUMMARIES = {
     "diagnose": "find, name and add what a camera file lacks to explain a recording",
     "evaluate": "hold models against recordings; the paper's figures and tables",
     "bench": "measure the speed on this machine, beside its own limits",
-    "replay": "send a recording out as a live camera would, or verify it against its manifest",
     "doctor": "say what works here: devices, codecs, ports, and for how many pixels the speed is enough",
     "config": "check a configuration file before it is used",
     "schema": "print the JSON schema of the configuration file, for editors",

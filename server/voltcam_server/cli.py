@@ -2,7 +2,6 @@
 
 import argparse
 import json
-import logging
 import sys
 from pathlib import Path
 from typing import Any, get_args
@@ -13,6 +12,7 @@ from voltcam_simulator import Law, camera_names
 from voltcam_simulator.parameters import merged
 from voltcam_video import Fit
 
+from .log import begin_log
 from .settings import EncodingName, load, parse_change
 from .settings import schema as config_schema
 
@@ -137,9 +137,8 @@ def _add_fit(parser: Any) -> None:
 def _serve(args: argparse.Namespace) -> int:
     from .daemon import serve as run
 
-    logging.basicConfig(format="voltcam: %(message)s", level=logging.WARNING)
-
     settings = load(_given(args), args.config)
+    begin_log(settings.log)
     print(f"voltcam: {settings.camera} looking at {settings.source.shown} ...", flush=True)
 
     def banner(page: str, zmq: str) -> None:

@@ -20,8 +20,11 @@ from .api import Access, CameraAnswer, check_encoding, create_app
 from .diagnosis import Diagnosis
 from .emulator import Emulator
 from .problems import UsageError, one_line, where
+from .service import tell_systemd
 from .settings import Settings
 from .signals import ended_by_signal
+from .status import Status
+from .status_log import StatusLog
 from .transports import WebSocketTransport, ZeroMQTransport
 
 NOT_OURS = ("graceful shutdown", "Invalid HTTP request", "Unsupported upgrade request")
@@ -71,6 +74,7 @@ def serve(settings: Settings, record: str | None, on_ready: Callable[[str, str],
             packets=settings.packets,
             overload=settings.overload,
             transports=[zeromq, websockets],
+            on_status=_watcher(settings),
             on_failure=lambda: setattr(server, "should_exit", True),
         )
         stack.callback(emulator.stop)
@@ -88,6 +92,7 @@ def serve(settings: Settings, record: str | None, on_ready: Callable[[str, str],
         if record:
             emulator.record(record)
         on_ready(page, zeromq.endpoint)
+        tell_systemd("READY=1")
         server.run(sockets=[listener])
         if emulator.failure is not None:
             raise UsageError(f"the daemon failed: {where(emulator.failure)}: please report it")
@@ -101,6 +106,18 @@ def _leave(emulator: Emulator | None) -> None:
         )
         sys.stdout.flush()
         os._exit(0)
+
+
+def _watcher(settings: Settings) -> Callable[[Status], None]:
+    """Log what changes, and let systemd's watchdog know that events are made, or that nobody sends frames."""
+    log = StatusLog(settings.log)
+
+    def watch(status: Status) -> None:
+        log.look(status)
+        if status.state != "stalled":
+            tell_systemd(f"WATCHDOG=1\nSTATUS={status.state} {status.reason}")
+
+    return watch
 
 
 def _about(camera: Camera, settings: Settings, zeromq: ZeroMQTransport) -> CameraAnswer:
@@ -139,6 +156,7 @@ def _web_server(app: FastAPI, settings: Settings) -> uvicorn.Server:
 
 
 def _end(server: uvicorn.Server) -> None:
+    tell_systemd("STOPPING=1")
     server.should_exit = True
     if not server.started:  # still waiting for the source
         raise KeyboardInterrupt

@@ -35,7 +35,8 @@ STALLED_S = 2.0  # so long without an interval's end is more than any overload t
 class Emulator:
     """An event camera looking at a source, with transports attached: `start` it, then `stop` it, once.
 
-    on_failure is called when a thread of it or of a transport ends by an error of ours, then in `failure`.
+    on_status is called with each status that is sent. on_failure is called when a thread of it or of a
+    transport ends by an error of ours, then in `failure`.
     """
 
     def __init__(
@@ -49,13 +50,14 @@ class Emulator:
         packets: PacketSettings | None = None,
         overload: OverloadSettings | None = None,
         transports: Sequence[Transport] = (),
+        on_status: Callable[[Status], None] = lambda _: None,
         on_failure: Callable[[], None] = lambda: None,
     ) -> None:
         self.camera = camera
         self.simulation = Simulation(camera, law, seed, upsample, overload)
         self.failure: Exception | None = None
         self._transports = transports
-        self._on_failure = on_failure
+        self._on_status, self._on_failure = on_status, on_failure
         self._mailbox = Mailbox()
         self._pacer = Pacer(packets or PacketSettings(), self._send_events, self._end_interval)
         self._news = threading.Event()  # the status has changed
@@ -298,7 +300,9 @@ class Emulator:
             self._arrived.total = self._mailbox.received
             for meter in (self._arrived, self._events, self._packets):
                 meter.tick()
-            self._publish(status_message(self.status.model_dump()))
+            status = self.status
+            self._on_status(status)
+            self._publish(status_message(status.model_dump()))
             for transport in self._transports:
                 if transport.failure is not None:
                     raise transport.failure

@@ -20,6 +20,7 @@ from voltcam_simulator.parameters import merged
 from voltcam_video import SourceRequest
 
 from .access import AccessSettings
+from .log import LogSettings
 from .overload import OverloadSettings
 from .problems import KeyPath, UsageError, explain, faults, one_line
 
@@ -87,6 +88,7 @@ class Settings(BaseSettings):
         default_factory=AccessSettings, description="who may use the daemon, and what they may name"
     )
     recordings: Path = Field(default=Path(), description="folder of the recordings that are begun over REST")
+    log: LogSettings = Field(default_factory=LogSettings, description="lines on standard error")
     encoding: EncodingName = Field(
         default="libcaer", description="of event packets; a WebSocket client may ask for another"
     )

@@ -9,6 +9,7 @@ from voltcam_video.cubic import along_cubic
 from voltcam_video.flow import along_flow
 from voltcam_video.frame import Fit, Frame, Image, fit, luminance
 from voltcam_video.interval import follows
+from voltcam_video.opencv import backends
 from voltcam_video.request import SourceRequest
 from voltcam_video.sources import Granted, Source, SourceError, open_source
 from voltcam_video.upsample import Upsampling, between
@@ -27,6 +28,7 @@ __all__ = [
     "Upsampling",
     "along_cubic",
     "along_flow",
+    "backends",
     "between",
     "fit",
     "follows",

@@ -15,7 +15,7 @@ if "OPENCV_LOG_LEVEL" not in os.environ:
     silence = getattr(cv2, "setLogLevel", None) or cv2.utils.logging.setLogLevel
     silence(0)
 
-__all__ = ["Capture", "cv2", "fourcc_text"]
+__all__ = ["Capture", "backends", "cv2", "fourcc_text"]
 
 
 class Capture(Protocol):
@@ -28,6 +28,13 @@ class Capture(Protocol):
     def retrieve(self) -> tuple[bool, Any]: ...
     def release(self) -> None: ...
     def getBackendName(self) -> str: ...  # noqa: N802
+
+
+def backends() -> list[str]:
+    """What reads videos and cameras here, by OpenCV's names."""
+    registry = cv2.videoio_registry
+    known = {*registry.getStreamBackends(), *registry.getCameraBackends()}
+    return sorted(registry.getBackendName(each) for each in known if registry.hasBackend(each))
 
 
 def fourcc_text(capture: Capture) -> str | None:

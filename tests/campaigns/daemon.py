@@ -13,6 +13,7 @@ from typing import Any
 import httpx
 
 START_S = 60.0
+LOGGED = re.compile(r"\d{4}-\d\d-\d\d \d\d:\d\d:\d\d (INFO|WARNING) ")  # what the daemon says by itself
 
 
 class Daemon:
@@ -60,10 +61,11 @@ class Daemon:
         return int(found[1]) / 1024 if found else float("nan")
 
     def end(self) -> tuple[int, float, str]:
-        """Exit status, how many seconds the end took, standard error."""
+        """Exit status, how many seconds the end took, standard error but for the log."""
         began_s = time.monotonic()
         self.process.send_signal(signal.SIGTERM)
-        errors = self.process.communicate(timeout=60)[1]
+        said = self.process.communicate(timeout=60)[1].splitlines()
+        errors = "\n".join(line for line in said if not LOGGED.match(line))
         return self.process.returncode, time.monotonic() - began_s, errors
 
     def __enter__(self) -> "Daemon":

@@ -90,6 +90,8 @@ def test_containers_are_closed_and_the_subscriber_waits_for_the_camera() -> None
         assert service["read_only"] is True
         assert service["cap_drop"] == ["ALL"]
         assert "privileged" not in service
+        assert service["mem_limit"]
+        assert service["pids_limit"]
     written = {volume.partition(":")[2] for volume in both["voltcam"]["volumes"]}
     assert written == set(json.loads(next(rest for keyword, rest in instructions() if keyword == "VOLUME")))
     assert both["listen"]["depends_on"] == {"voltcam": {"condition": "service_healthy"}}

@@ -41,6 +41,7 @@ from voltcam_server.transports import Transport, TransportStatus
 from voltcam_simulator import Camera, Parameters
 from voltcam_video import Frame, SourceRequest
 
+LOGGED = re.compile(r"\d{4}-\d\d-\d\d \d\d:\d\d:\d\d (INFO|WARNING) ")  # what the daemon says by itself
 PATIENCE_S = 30.0  # how long a test waits for something that happens in well under a second
 
 
@@ -229,10 +230,11 @@ class Daemon:
         return self.http.patch("parameters", json=change).raise_for_status().json()
 
     def end(self, number: int = signal.SIGTERM) -> tuple[int, str, float]:
-        """Exit status, standard error, and how many seconds the end took."""
+        """Exit status, standard error but for the log, and how many seconds the end took."""
         began_s = time.monotonic()
         self.process.send_signal(number)
-        errors = self.process.communicate(timeout=PATIENCE_S)[1]
+        self.log = self.process.communicate(timeout=PATIENCE_S)[1]
+        errors = "".join(line for line in self.log.splitlines(keepends=True) if not LOGGED.match(line))
         return self.process.returncode, errors, time.monotonic() - began_s
 
     def __enter__(self) -> "Daemon":

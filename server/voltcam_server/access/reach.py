@@ -19,6 +19,10 @@ def host_of(address: str) -> str:
 def check_reach(settings: "Settings", tokens: Tokens) -> None:
     """Refuse to start where anyone could come. Raises UsageError with the remedy."""
     access = settings.access
+    if (access.tls_certificate is None) != (access.tls_key is None):
+        raise UsageError("https needs both access.tls_certificate and access.tls_key")
+    if access.open:
+        return
     if not _is_loopback(host_of(settings.http)) and not tokens:
         raise UsageError(
             f"--http {settings.http} is open to the network, and there is no token: set VOLTCAM_TOKEN to one "
@@ -31,8 +35,6 @@ def check_reach(settings: "Settings", tokens: Tokens) -> None:
                 f"--zmq {settings.zmq} is open to the network, and there are no keys: make some with "
                 "`voltcam keys`, name their folder as access.curve_keys in the config, or stay on 127.0.0.1"
             )
-    if (access.tls_certificate is None) != (access.tls_key is None):
-        raise UsageError("https needs both access.tls_certificate and access.tls_key")
 
 
 def _is_loopback(host: str) -> bool:

@@ -15,6 +15,11 @@ class AccessSettings(BaseModel):
         description="names under which browsers may reach the daemon, such as robot.local; addresses of "
         "numbers and localhost are always allowed",
     )
+    open: bool = Field(
+        default=False,
+        description="true: addresses beyond this machine need neither token nor keys, since something else "
+        "keeps strangers out, such as a container whose ports are published to one machine",
+    )
     tokens_file: Path | None = Field(
         default=None,
         description="a file with lines `view TOKEN` and `control TOKEN`, readable by its owner only; tokens "
