@@ -1,5 +1,6 @@
 """A running camera as an iterable of packets: `for packet in EventCamera("tcp://127.0.0.1:5560")`."""
 
+import logging
 import os
 import time
 from collections.abc import Callable
@@ -23,6 +24,7 @@ from voltcam_client.packet import (
 
 DEFAULT_URL = "tcp://127.0.0.1:5560"
 KEYS_VARIABLE = "VOLTCAM_KEYS"
+TOLD_AFTER_S = 2.0
 RECONNECT_MS, SLOWEST_RECONNECT_MS = 100, 1000
 KEEPALIVE_IDLE_S, KEEPALIVE_PERIOD_S, KEEPALIVE_PROBES = 2, 1, 3
 """A pulled cable is noticed, and reconnected, after 5 s. By TCP, not by ZeroMQ's heartbeats: with them libzmq
@@ -90,7 +92,9 @@ class Stream(Generic[Message]):
     def __next__(self) -> Message:
         if self._socket.closed:
             raise StopIteration
-        message = self.receive(self.timeout_s)
+        message = self.receive(self._first_wait_s)
+        if message is None and self._told():
+            message = self.receive(self.timeout_s)
         if message is None:
             raise self._timeout()
         return message
@@ -101,7 +105,9 @@ class Stream(Generic[Message]):
     async def __anext__(self) -> Message:
         if self._socket.closed:
             raise StopAsyncIteration
-        message = await self.receive_async(self.timeout_s)
+        message = await self.receive_async(self._first_wait_s)
+        if message is None and self._told():
+            message = await self.receive_async(self.timeout_s)
         if message is None:
             raise self._timeout()
         return message
@@ -121,6 +127,20 @@ class Stream(Generic[Message]):
     def __del__(self) -> None:
         if hasattr(self, "_socket"):  # not when the constructor failed
             self.close()
+
+    @property
+    def _first_wait_s(self) -> float | None:
+        """Who would wait for ever is told after a while what for."""
+        return TOLD_AFTER_S if self.timeout_s is None else self.timeout_s
+
+    def _told(self) -> bool:
+        """Say what is waited for; False where the wait is over instead."""
+        if self.timeout_s is not None:
+            return False
+        logging.getLogger("voltcam").warning(
+            "nothing from %s for %g s, waiting: is `voltcam serve` running there?", self.url, TOLD_AFTER_S
+        )
+        return True
 
     def _timeout(self) -> TimeoutError:
         return TimeoutError(

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from voltcam_client import camera, control, keys
-from voltcam_client.formats import SUFFIXES
+from voltcam_client.formats import SUFFIXES, check_writable
 from voltcam_client.meter import measure, short
 from voltcam_client.record import Progress, record, size_bytes
 
@@ -158,6 +158,7 @@ def _record(args: argparse.Namespace) -> int:
         raise ValueError(f"record takes [URL] FILE, not {' '.join(args.target)}: quote names with blanks")
     url, file = [camera.DEFAULT_URL, *args.target][-2:]
     path = Path(file)
+    check_writable(path, overwrite=args.overwrite)  # now, not when the first packet has come
     with _until_signal(signal.SIGINT, signal.SIGTERM) as stopped, _live_line() as show:
         progress = record(
             url,
@@ -235,7 +236,7 @@ def _status(args: argparse.Namespace) -> int:
         lines = dict(_flat(status))
         width = max(map(len, lines), default=0)
         for name, value in lines.items():
-            print(f"{name:<{width}}  {value}")
+            print(f"{name:<{width}}  {'-' if value is None or value == '' else value}")
     return 0
 
 

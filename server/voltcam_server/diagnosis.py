@@ -54,7 +54,9 @@ class DiagnosisRequest(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     reference: str | None = Field(default=None, min_length=1, max_length=4096)
-    stream: str | None = Field(default=None, pattern=r"^(tcp|ipc)://\S+$", max_length=4096)
+    stream: str | None = Field(
+        default=None, pattern=r"^(tcp|ipc)://\S+$", max_length=4096, examples=["tcp://127.0.0.1:5561"]
+    )
     seconds: float = Field(default=10, gt=0, le=60)
 
     @model_validator(mode="after")

@@ -8,6 +8,16 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 SHOWN = 60  # characters of a wrong value
+# What a person can do, where the validator's own words are about types.
+WORDS = {
+    "int_parsing": "give a whole number",
+    "int_type": "give a whole number",
+    "int_from_float": "give a whole number",
+    "float_parsing": "give a number",
+    "float_type": "give a number",
+    "model_type": "it has several parts: give {key}.NAME=VALUE",
+    "bool_parsing": "give true or false",
+}
 
 
 class UsageError(ValueError):
@@ -46,16 +56,32 @@ def _one(fault: Any, model: type[BaseModel]) -> str:
     *above, key = fault["loc"] or ("it",)
     if fault["type"] == "extra_forbidden":
         return f"{dotted([*above, key])}: there is no such key, only {', '.join(_keys(above, model))}"
+    fault_type, message = fault["type"], fault["msg"].removeprefix("Value error, ")
+    if fault_type == "string_pattern_mismatch":
+        message = f"give it like {_example([*above, key], model)}"
+    elif fault_type in WORDS:
+        message = WORDS[fault_type].format(key=dotted([*above, key]))
     given = reprlib.repr(fault["input"])  # bounded: a few lines of YAML can mean a billion words
     given = given if len(given) <= SHOWN else given[:SHOWN] + "..."
-    return one_line(f"{dotted([*above, key])}: {fault['msg']}, not {given}")
+    return one_line(f"{dotted([*above, key])}: {message}, not {given}")
+
+
+def _example(path: Sequence[str | int], model: type[BaseModel]) -> str:
+    """How the value at `path` may look."""
+    *above, key = path
+    examples = _section(above, model).model_fields[str(key)].examples or ["its pattern"]
+    return str(examples[0])
 
 
 def _keys(path: Sequence[str | int], model: type[BaseModel]) -> list[str]:
     """The keys of the section at `path`."""
+    return list(_section(path, model).model_fields)
+
+
+def _section(path: Sequence[str | int], model: type[BaseModel]) -> type[BaseModel]:
     for part in path:
         inner = model.model_fields[str(part)].annotation
         assert isinstance(inner, type)
         assert issubclass(inner, BaseModel)
         model = inner
-    return list(model.model_fields)
+    return model

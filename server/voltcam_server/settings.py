@@ -25,9 +25,24 @@ from .overload import OverloadSettings
 from .problems import KeyPath, UsageError, explain, faults, one_line
 
 EncodingName = Literal["libcaer", "mono", "evt3", "libcaer_cmp"]
+UPSAMPLE_WAYS = ("off", "linear", "cubic", "auto")
+MOST_UPSAMPLE_STEPS = 64
+
+
+def _upsample(value: object) -> object:
+    """One of the ways, or a number of steps; in words of its own, since a union's errors name its parts."""
+    if value is False:  # as YAML reads an off without quotes
+        return "off"
+    number = str(value)
+    if value in UPSAMPLE_WAYS or (number.isdecimal() and 1 <= int(number) <= MOST_UPSAMPLE_STEPS):
+        return value
+    ways = ", ".join(UPSAMPLE_WAYS)
+    raise ValueError(f"give {ways} or a number of steps from 1 to {MOST_UPSAMPLE_STEPS}")
+
+
 Upsample = Annotated[
-    Literal["off", "linear", "cubic", "auto"] | Annotated[int, Field(ge=1, le=64)],
-    BeforeValidator(lambda value: "off" if value is False else value),  # as YAML reads an off without quotes
+    Literal["off", "linear", "cubic", "auto"] | Annotated[int, Field(ge=1, le=MOST_UPSAMPLE_STEPS)],
+    BeforeValidator(_upsample),
 ]
 ENV_PREFIX = "VOLTCAM_"
 # Tokens and keys are no settings, since these may be shown; the last is where tests find recordings.
@@ -95,11 +110,13 @@ class Settings(BaseSettings):
     http: str = Field(
         default="127.0.0.1:8560",
         pattern=r"^(\[[0-9A-Fa-f:.]+\]|[^:/\s]+):\d{1,5}$",
+        examples=["127.0.0.1:8560"],
         description="HOST:PORT of REST, WebSocket and the page; beyond this machine it needs a token",
     )
     zmq: str = Field(
         default="tcp://127.0.0.1:5560",
         pattern=r"^(tcp|ipc)://\S+$",
+        examples=["tcp://127.0.0.1:5560"],
         description="ZeroMQ endpoint of events, frames and status; port 0 takes a free one",
     )
 

@@ -34,6 +34,7 @@ class SourceRequest(BaseModel):
     pixel_format: str | None = Field(
         default=None,
         pattern=r"^[A-Za-z0-9 ]{4}$",
+        examples=["MJPG"],
         description="four characters, asked of a camera: MJPG, YUYV, GREY...; none: OpenCV's choice",
     )
     pace: Literal["realtime", "fast"] = Field(

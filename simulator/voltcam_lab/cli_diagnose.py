@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -23,6 +24,7 @@ from .page import write
 from .recordings import load
 
 RUNS = ".voltcam-runs"  # in --out, until all is done
+LINE_PERIOD_S = 10.0
 BAR = "{desc:<34} {percentage:3.0f}% |{bar:24}| {n_fmt} of {total_fmt} simulations {elapsed}"
 
 
@@ -133,6 +135,8 @@ def _diagnose(session: Session, out: Path, say: Report) -> None:
 def _follow(session: Session, bar: "tqdm[Any]") -> None:
     """Let the bar show how many of the simulations that were asked for are done, from when none was."""
 
+    counts = _Counts()
+
     def begin(runs: int) -> None:
         if bar.n >= bar.total:
             bar.n = bar.total = 0
@@ -142,7 +146,26 @@ def _follow(session: Session, bar: "tqdm[Any]") -> None:
     def end(runs: int) -> None:
         bar.update(runs)
 
-    session.rig.batch, session.rig.done = begin, end
+    lines = (counts.begin, counts.end)
+    session.rig.batch, session.rig.done = lines if bar.disable else (begin, end)
+
+
+class _Counts:
+    """What the bar shows, as a line now and then where there is no terminal for a bar."""
+
+    def __init__(self) -> None:
+        self._asked = self._done = 0
+        self._told_s = time.monotonic()
+
+    def begin(self, runs: int) -> None:
+        self._asked += runs
+
+    def end(self, runs: int) -> None:
+        self._done += runs
+        if time.monotonic() - self._told_s > LINE_PERIOD_S:
+            self._told_s = time.monotonic()
+            sys.stderr.write(f"voltcam: {self._done} of {self._asked} simulations asked for so far\n")
+            sys.stderr.flush()
 
 
 def _seed(text: str) -> int:

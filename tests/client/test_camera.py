@@ -221,3 +221,20 @@ print("alive")
         capture_output=True, text=True, timeout=60, check=False,
     )  # fmt: skip
     assert (done.returncode, done.stdout) == (0, "alive\n"), done.stderr
+
+
+def test_who_waits_without_a_limit_is_told_what_for(
+    caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    waits: list[float | None] = []
+
+    def receive(timeout_s: float | None) -> object:
+        waits.append(timeout_s)
+        return None if len(waits) == 1 else "a packet"
+
+    with EventCamera("tcp://127.0.0.1:9", timeout_s=None) as camera:
+        monkeypatch.setattr(camera, "receive", receive)
+        assert next(camera) == "a packet"
+    assert waits == [2.0, None]
+    assert "nothing from tcp://127.0.0.1:9" in caplog.text
+    assert "voltcam serve" in caplog.text

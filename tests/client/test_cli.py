@@ -211,3 +211,21 @@ def test_status_is_flat_or_json(monkeypatch: pytest.MonkeyPatch, capsys: pytest.
 def test_status_of_nobody(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["status", "http://127.0.0.1:1"]) == 1
     assert_one_line(capsys.readouterr().err)
+
+
+def test_record_looks_at_the_name_before_it_waits_for_a_camera(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "old.npz").write_text("kept")
+    for name, words in (("a.foo", "no recording's"), ("old.npz", "exists already")):
+        assert cli.main(["record", str(tmp_path / name)]) == 1
+        assert words in capsys.readouterr().err
+
+
+def test_nothing_is_shown_as_a_dash(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    status = {"recording": None, "source": {"message": ""}, "dropped": 0}
+    monkeypatch.setattr("voltcam_client.control.Control.status", lambda _: status)
+    assert cli.main(["status"]) == 0
+    assert capsys.readouterr().out == "recording       -\nsource.message  -\ndropped         0\n"

@@ -152,7 +152,7 @@ def test_where_nothing_is_missing_there_is_nothing_to_accept(bench: Bench) -> No
         ({"reference": "a.npz", "stream": "tcp://127.0.0.1:1"}, "give either reference"),
         ({"reference": "/none/such.npz"}, "/none/such.npz is not there"),
         ({"reference": __file__}, "no recording has the suffix '.py'"),
-        ({"stream": "robot:5560"}, "stream: String should match"),
+        ({"stream": "robot:5560"}, "stream: give it like tcp://127.0.0.1:5561"),
         ({"reference": "a.npz", "seconds": 0}, "seconds: Input should be greater than 0"),
         ({"recording": "a.npz"}, "recording: there is no such key, only reference, stream, seconds"),
     ],

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
@@ -157,3 +158,24 @@ def test_the_schema_knows_every_key_and_limit() -> None:
     assert definitions["Comparator"]["properties"]["theta_on"]["minimum"] > 0
     assert definitions["SourceRequest"]["additionalProperties"] is False
     assert yaml.safe_load(yaml.safe_dump(schema())) == schema()  # plain data
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"upsample": "banana"}, "upsample: give off, linear, cubic, auto or a number of steps from 1 to 64"),
+        ({"upsample": 65}, "a number of steps from 1 to 64, not 65"),
+        ({"http": "banana"}, "http: give it like 127.0.0.1:8560"),
+        ({"zmq": "banana"}, "zmq: give it like tcp://127.0.0.1:5560"),
+        ({"seed": "x"}, "seed: give a whole number"),
+        ({"source": {"pixel_format": "too long"}}, "source.pixel_format: give it like MJPG"),
+        ({"parameters": {"comparator": 3}}, "it has several parts: give parameters.comparator.NAME=VALUE"),
+    ],
+)
+def test_words_are_the_users_and_not_the_validators(given: dict[str, Any], words: str) -> None:
+    with pytest.raises(UsageError) as refusal:
+        load(given, None, {})
+    assert words in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+    assert "pattern" not in str(refusal.value)
+    assert "literal" not in str(refusal.value)

@@ -21,7 +21,7 @@ from voltcam_client.formats.recording import (
     RecordingError,
     fault_in,
 )
-from voltcam_client.formats.writer import Writer
+from voltcam_client.formats.writer import Writer, exists_already
 
 __all__ = [
     "READABLE",
@@ -30,6 +30,7 @@ __all__ = [
     "Recording",
     "RecordingError",
     "Writer",
+    "check_writable",
     "open_writer",
     "read",
 ]
@@ -70,11 +71,18 @@ def open_writer(path: str | Path, *, width: int, height: int, overwrite: bool = 
     `overwrite` is false, or cannot be made.
     """
     path = Path(path)
+    check_writable(path, overwrite=overwrite)
+    return _FORMATS[path.suffix.lower()][1](path, width, height, overwrite=overwrite)
+
+
+def check_writable(path: Path, *, overwrite: bool) -> None:
+    """Raises what `open_writer` does for a name that will not do, before there is a camera."""
     suffix = path.suffix.lower()
     if suffix not in _FORMATS:
         what = "can be read, not written" if suffix in READABLE else "is no recording's"
         raise FormatError(f"{path}: the suffix {path.suffix!r} {what}: choose {_listed(SUFFIXES)}")
-    return _FORMATS[suffix][1](path, width, height, overwrite=overwrite)
+    if path.exists() and not overwrite:
+        raise exists_already(path)
 
 
 def read(path: str | Path) -> Recording:
