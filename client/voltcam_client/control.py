@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from http.client import HTTPException
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 from voltcam_client.errors import ControlError
 
@@ -22,14 +23,23 @@ class Control:
 
     Each method returns the daemon's answer and raises ControlError, in one line, when the daemon refuses or
     does not answer within `timeout_s`, for changes LONGEST_S at least; a refused change has changed nothing.
-    token: of a daemon that asks for one; none: that of VOLTCAM_TOKEN.
+    token: of a daemon that asks for one; none: that of VOLTCAM_TOKEN. camera: which, of a daemon that has
+    several; none: its first.
     """
 
-    def __init__(self, url: str = DEFAULT_URL, *, timeout_s: float = 5.0, token: str | None = None) -> None:
+    def __init__(
+        self,
+        url: str = DEFAULT_URL,
+        *,
+        timeout_s: float = 5.0,
+        token: str | None = None,
+        camera: str | None = None,
+    ) -> None:
         if not url.startswith(("http://", "https://")):
             raise ControlError(f"{url!r} is not an address of a daemon: give http://HOST:PORT")
         self.url = url.rstrip("/")
         self.timeout_s = timeout_s
+        self._query = f"?camera={quote(camera)}" if camera is not None else ""
         self._token = token if token is not None else os.environ.get(TOKEN_VARIABLE, "")
         # Straight to the daemon: a proxy from the environment is for the outside world.
         self._opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
@@ -105,7 +115,7 @@ class Control:
         return kind | {"Authorization": f"Bearer {self._token}"} if self._token else kind
 
     def _request(self, method: str, path: str, body: Json | None = None) -> Json:
-        url = f"{self.url}/api/v1{path}"
+        url = f"{self.url}/api/v1{path}{self._query}"
         data = None if body is None else json.dumps(body).encode()
         timeout_s = self.timeout_s if method == "GET" else max(self.timeout_s, LONGEST_S)
         try:

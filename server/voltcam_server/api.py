@@ -1,80 +1,47 @@
-"""REST and WebSocket under /api/v1, health, metrics, and the page at /.
+"""The web application: REST and WebSocket under /api/v1, health, metrics, and the page at /.
 
 Everything is of one origin: there are no CORS headers, and `access.Guard` refuses what a browser sends for a
 page from elsewhere, and who has no token where there is one.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-from fastapi import APIRouter, FastAPI, HTTPException, Request, Response, WebSocket
+from fastapi import APIRouter, Depends, FastAPI, HTTPException, Request, Response
+from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse, PlainTextResponse
+from fastapi.security import HTTPBearer
 from fastapi.staticfiles import StaticFiles
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from starlette.concurrency import run_in_threadpool
+from starlette.exceptions import HTTPException as StarletteHTTPException
 
-from voltcam_client.encodings import ENCODINGS, EVENT
-from voltcam_client.errors import PacketError
 from voltcam_client.formats import FormatError, RecordingError
-from voltcam_client.packet import TOPIC_EVENTS, TOPIC_FRAMES
-from voltcam_simulator import Law, Parameters
-from voltcam_video import SourceError, SourceRequest
+from voltcam_video import SourceError
 
-from .access import AccessError, Guard, SourceRules, Tokens, resolve_under, session_routes
+from .access import AccessError, Guard, SourceRules, Tokens, session_routes
 from .access.session import Sessions
-from .bodies import body_of, read_model, read_object, refusal
-from .diagnosis import Diagnosis
+from .bodies import refuses
+from .camera_api import camera_routes, stream_routes
+from .cameras import Cameras, NoCameraError
 from .diagnosis_api import diagnosis_routes
-from .emulator import Emulator
 from .metrics import CONTENT_TYPE, prometheus
+from .openapi import describe
 from .problems import UsageError, one_line
-from .recorder import RecordingStatus
-from .settings import EncodingName
-from .status import SourceStatus, Status
-from .transports import WebSocketTransport
+from .reload import ReloadAnswer
 
 WEB = Path(__file__).parent / "web"
-POLICY_VIOLATION = 1008  # WebSocket close code
 
 # What the parts below raise, as HTTP says it. Anything else is an error of ours, 500.
 REFUSALS: dict[type[Exception], int] = {
+    NoCameraError: 404,
     UsageError: 409,
     RecordingError: 409,
     FormatError: 422,
     SourceError: 422,
     AccessError: 403,
+    RequestValidationError: 422,
 }
-
-
-class CameraAnswer(BaseModel):
-    """The sensor, how it is simulated, where its packets are. parameters: the camera's own, at the start."""
-
-    name: str
-    width: int
-    height: int
-    law: Law
-    seed: int
-    encoding: EncodingName
-    zmq: str
-    parameters: Parameters
-
-
-class ParametersAnswer(BaseModel):
-    """parameters_version: that of the packets made with these parameters."""
-
-    parameters: Parameters
-    parameters_version: int
-
-
-class RecordingRequest(BaseModel):
-    """path: below the daemon's folder for recordings; its suffix is the format."""
-
-    model_config = ConfigDict(extra="forbid")
-
-    path: str = Field(min_length=1, max_length=4096)
 
 
 @dataclass(frozen=True)
@@ -88,141 +55,79 @@ class Access:
     secure: bool = False
 
 
-def create_app(
-    emulator: Emulator,
-    websockets: WebSocketTransport,
-    camera: CameraAnswer,
-    diagnosis: Diagnosis,
-    access: Access,
-) -> FastAPI:
+def create_app(cameras: Cameras, access: Access, reload: Callable[[], ReloadAnswer]) -> FastAPI:
     """The web application of a daemon."""
     sessions = Sessions()
     app = FastAPI(title="Voltcam", openapi_url="/api/v1/openapi.json", docs_url=None, redoc_url=None)
     app.add_middleware(Guard, hosts=access.hosts, tokens=access.tokens, sessions=sessions)
     for kind in REFUSALS:
         app.add_exception_handler(kind, _refuse)
-    app.include_router(_control(emulator, camera, access), prefix="/api/v1")
-    app.include_router(_streams(websockets, camera), prefix="/api/v1")
-    app.include_router(diagnosis_routes(diagnosis, access.rules), prefix="/api/v1")
+    for code in (404, 405):
+        app.add_exception_handler(code, _not_so)
+    # The guard looks at the token; this says in OpenAPI that one is needed.
+    token = [Depends(HTTPBearer(auto_error=False))] if access.tokens else []
+    for routes in (
+        camera_routes(cameras, access.rules, access.recordings),
+        diagnosis_routes(cameras, access.rules),
+        _settings(reload),
+    ):
+        app.include_router(routes, prefix="/api/v1", dependencies=token, responses=refuses(401, 403, 422))
+    app.include_router(stream_routes(cameras), prefix="/api/v1")
     app.include_router(session_routes(access.tokens, sessions, access.secure), prefix="/api/v1")
-    app.include_router(_health(emulator))
+    app.include_router(_health(cameras))
     app.mount("/", StaticFiles(directory=WEB, html=True), name="page")
+    describe(app)
     return app
 
 
 def _refuse(_: Request, error: Exception) -> JSONResponse:
     code = next(code for kind, code in REFUSALS.items() if isinstance(error, kind))
+    if isinstance(error, RequestValidationError):
+        faults = (f"{'.'.join(map(str, fault['loc']))}: {fault['msg']}" for fault in error.errors())
+        return JSONResponse({"detail": one_line("; ".join(faults))}, code)
     return JSONResponse({"detail": one_line(error)}, code)
 
 
-def _control(emulator: Emulator, camera: CameraAnswer, access: Access) -> APIRouter:
-    api = APIRouter()
-
-    @api.get("/camera")
-    async def get_camera() -> CameraAnswer:
-        return camera
-
-    @api.get("/parameters")
-    async def get_parameters() -> ParametersAnswer:
-        return _answer(emulator.simulation.parameters)
-
-    @api.get("/parameters/schema")
-    async def get_parameters_schema() -> dict[str, Any]:
-        return Parameters.model_json_schema()
-
-    @api.patch("/parameters", openapi_extra=body_of(Parameters))
-    async def patch_parameters(request: Request) -> ParametersAnswer:
-        """Changes what is named, between two frames and all at once, or nothing."""
-        changes = await read_object(request)
-        try:
-            wanted = emulator.simulation.parameters[0].changed(changes)
-            await run_in_threadpool(emulator.simulation.prepare, wanted)
-            return _answer(emulator.simulation.change(changes))
-        except ValidationError as error:
-            raise refusal(error, Parameters) from None
-
-    @api.get("/source")
-    async def get_source() -> SourceStatus:
-        return emulator.source
-
-    @api.put("/source", openapi_extra=body_of(SourceRequest))
-    async def put_source(request: Request) -> SourceStatus:
-        """Opens the new source; while that fails, the old one goes on."""
-        wanted = await read_model(request, SourceRequest)
-        await run_in_threadpool(emulator.look_at, access.rules.allowed(wanted))
-        return emulator.source
-
-    @api.post("/recording", status_code=201, openapi_extra=body_of(RecordingRequest))
-    async def post_recording(request: Request) -> RecordingStatus:
-        """Records events, and frames where the format holds them, until DELETE. Never overwrites a file."""
-        wanted = await read_model(request, RecordingRequest)
-        path = resolve_under([access.recordings], wanted.path)
-        return await run_in_threadpool(emulator.record, str(path))
-
-    @api.delete("/recording")
-    async def delete_recording() -> RecordingStatus:
-        """Finishes the file."""
-        return await run_in_threadpool(emulator.end_recording)
-
-    @api.get("/status")
-    async def get_status() -> Status:
-        return emulator.status
-
-    return api
+def _not_so(request: Request, error: Exception) -> JSONResponse:
+    """Nothing is there, or it is asked in a way that there is not: the page's files are looked for last."""
+    assert isinstance(error, StarletteHTTPException)
+    ways = {way.upper() for way in request.app.openapi()["paths"].get(request.url.path, {})}
+    if not ways or request.method in ways:
+        return JSONResponse({"detail": error.detail}, error.status_code, error.headers)
+    allowed = ", ".join(sorted(ways))
+    detail = f"{request.url.path} is not asked with {request.method[:20]}, but with {allowed}"
+    return JSONResponse({"detail": detail}, 405, {"Allow": allowed})
 
 
-def _answer(current: tuple[Parameters, int]) -> ParametersAnswer:
-    return ParametersAnswer(parameters=current[0], parameters_version=current[1])
+def _settings(reload: Callable[[], ReloadAnswer]) -> APIRouter:
+    settings = APIRouter()
+
+    @settings.post("/reload", responses=refuses(409))
+    async def post_reload() -> ReloadAnswer:
+        """Reads the settings again, as SIGHUP does: cameras that are the same go on without a gap."""
+        return await run_in_threadpool(reload)
+
+    return settings
 
 
-def _streams(websockets: WebSocketTransport, camera: CameraAnswer) -> APIRouter:
-    streams = APIRouter()
-
-    @streams.websocket("/events")
-    async def events(websocket: WebSocket, encoding: str = camera.encoding) -> None:
-        try:
-            check_encoding(encoding, camera.width, camera.height)
-        except UsageError as problem:
-            await websocket.accept()
-            await websocket.close(POLICY_VIOLATION, str(problem)[:120])
-        else:
-            await websockets.serve(websocket, TOPIC_EVENTS, encoding)
-
-    @streams.websocket("/frames")
-    async def frames(websocket: WebSocket) -> None:
-        await websockets.serve(websocket, TOPIC_FRAMES, "")
-
-    return streams
-
-
-def check_encoding(encoding: str, width: int, height: int) -> None:
-    """Raises UsageError for an encoding that is none, or cannot hold the last pixel of such a camera."""
-    if encoding not in ENCODINGS:
-        raise UsageError(f"unknown encoding {encoding!r}: give one of {', '.join(ENCODINGS)}")
-    try:
-        ENCODINGS[encoding].encode(np.array([(0, width - 1, height - 1, True)], EVENT), 0)
-    except PacketError as error:
-        raise UsageError(one_line(error)) from None
-
-
-def _health(emulator: Emulator) -> APIRouter:
+def _health(cameras: Cameras) -> APIRouter:
     health = APIRouter(include_in_schema=False)
 
     @health.get("/healthz")
     async def healthz() -> dict[str, str]:
-        if emulator.failure is not None:
-            raise HTTPException(503, f"the daemon failed ({emulator.failure!r}): start it again")
+        if cameras.failure is not None:
+            raise HTTPException(503, f"the daemon failed ({cameras.failure!r}): start it again")
         return {"status": "ok"}
 
     @health.get("/readyz")
     async def readyz(response: Response) -> dict[str, str]:
-        """Ready while events go out, also where some are left out; else 503 and why."""
-        state, reason = emulator.state
+        """Ready while events of all cameras go out, also where some are left out; else 503 and why."""
+        state, reason = cameras.state
         response.status_code = 200 if state in ("running", "overloaded") else 503
         return {"status": state, "reason": reason}
 
     @health.get("/metrics")
     async def metrics() -> PlainTextResponse:
-        return PlainTextResponse(prometheus(emulator.status), media_type=CONTENT_TYPE)
+        return PlainTextResponse(prometheus(cameras), media_type=CONTENT_TYPE)
 
     return health

@@ -10,6 +10,16 @@ from starlette.requests import ClientDisconnect, Request
 from .problems import explain, one_line
 
 BODY_BYTES = 65536
+PART = "Body-"  # parts of a body have names of their own: an answer's may be less strict
+REASONS = {
+    400: "the body is no JSON object",
+    401: "a token is needed",
+    403: "this token, or this daemon's settings, do not allow it",
+    404: "there is no such thing",
+    409: "not now",
+    413: "the body is too long",
+    422: "a key or value that cannot be",
+}
 Model = TypeVar("Model", bound=BaseModel)
 
 
@@ -44,9 +54,20 @@ def refusal(error: ValidationError, model: type[BaseModel]) -> HTTPException:
     return HTTPException(422, explain(error, model))
 
 
+class Problem(BaseModel):
+    """Why a request was refused, and the remedy, in one line. Nothing has changed."""
+
+    detail: str
+
+
+def refuses(*codes: int) -> dict[int | str, dict[str, Any]]:
+    """What OpenAPI says of a route's refusals."""
+    return {code: {"model": Problem, "description": REASONS[code]} for code in codes}
+
+
 def body_of(model: type[BaseModel]) -> dict[str, Any]:
-    """What OpenAPI says of a body that is read here."""
-    schema = model.model_json_schema()
+    """What OpenAPI says of a body that is read here; its parts are for `openapi.describe` to put in place."""
+    schema = model.model_json_schema(ref_template=f"#/components/schemas/{PART}{{model}}")
     return {"requestBody": {"required": True, "content": {"application/json": {"schema": schema}}}}
 
 

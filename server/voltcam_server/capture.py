@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from voltcam_video import Granted, SourceError, SourceRequest, SourceState, watch
+from voltcam_video import Clock, Granted, SourceError, SourceRequest, SourceState, watch
 
 from .mailbox import Arrival, Mailbox
 from .problems import one_line
@@ -28,8 +28,10 @@ class Capture:
         mailbox: Mailbox,
         on_state: Callable[[], None],
         granted: Granted | None = None,
+        clock: Clock | None = None,
     ) -> None:
         self.request = request
+        self._clock = clock
         self.state = SourceState("opening", granted=granted)
         self._mailbox = mailbox
         self._on_state = on_state
@@ -63,7 +65,7 @@ class Capture:
 
     def _run(self) -> None:
         try:
-            for frame in watch(self.request, self._stop, self._set_state, self.state.granted):
+            for frame in watch(self.request, self._stop, self._set_state, self.state.granted, self._clock):
                 at_s = time.monotonic()
                 first = not self._opened
                 self._opened = True

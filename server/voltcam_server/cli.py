@@ -3,6 +3,7 @@
 import argparse
 import json
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Any, get_args
 
@@ -12,8 +13,9 @@ from voltcam_simulator import Law, camera_names
 from voltcam_simulator.parameters import merged
 from voltcam_video import Fit
 
+from .camera_settings import EncodingName
 from .log import begin_log
-from .settings import EncodingName, load, parse_change
+from .settings import load, parse_change
 from .settings import schema as config_schema
 
 CAMERA_HELP = f"{', '.join(camera_names())}, or a camera file (.yaml)"
@@ -137,16 +139,20 @@ def _add_fit(parser: Any) -> None:
 def _serve(args: argparse.Namespace) -> int:
     from .daemon import serve as run
 
-    settings = load(_given(args), args.config)
+    read = partial(load, _given(args), args.config)
+    settings = read()
     begin_log(settings.log)
-    print(f"voltcam: {settings.camera} looking at {settings.source.shown} ...", flush=True)
+    for name, each in settings.each().items():
+        print(f"voltcam: {name} looking at {each.source.shown} ...", flush=True)
 
-    def banner(page: str, zmq: str) -> None:
+    def banner(page: str, endpoints: dict[str, str]) -> None:
         print(f"  page    {page}")
-        print(f"  events  {zmq}  (to see them: voltcam listen {zmq})")
+        for name, zmq in endpoints.items():
+            whose = f"of {name}; " if settings.cameras else ""
+            print(f"  events  {zmq}  ({whose}to see them: voltcam listen {zmq})")
         print("  Ctrl-C ends it", flush=True)
 
-    run(settings, args.record, banner)
+    run(settings, args.record, banner, read)
     return 0
 
 

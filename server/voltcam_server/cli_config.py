@@ -8,7 +8,7 @@ from voltcam_video import SourceRequest
 
 from .access import Tokens
 from .access.reach import check_reach
-from .api import check_encoding
+from .cameras import plans_of
 from .settings import Settings, load
 
 
@@ -27,18 +27,18 @@ example:
 
 def _run(args: argparse.Namespace) -> int:
     settings = load({}, args.file)
-    camera = settings.load_camera()
-    check_encoding(settings.encoding, camera.width, camera.height)
+    plans = plans_of(settings)
     tokens = Tokens.load(settings.access.tokens_file)
     check_reach(settings, tokens)
-    active = ", ".join(effect.name for effect in camera.parameters.effects() if effect.active)
-    lines = [
-        f"{args.file} is well",
-        f"  camera   {camera.name}, {camera.width} x {camera.height}, seed {settings.seed}: {active}",
-        f"  source   {settings.source.shown}{_there(settings.source)}",
-        f"  page     {settings.http}, {_asks(settings, tokens)}",
-        f"  events   {settings.zmq}, {_opens(settings)}",
-    ]
+    lines = [f"{args.file} is well", f"  page     {settings.http}, {_asks(settings, tokens)}"]
+    for plan in plans:
+        active = ", ".join(effect.name for effect in plan.camera.parameters.effects() if effect.active)
+        size = f"{plan.camera.width} x {plan.camera.height}"
+        lines += [
+            f"  camera   {plan.name}, {size}, seed {plan.settings.seed}: {active}",
+            f"  source   {plan.settings.source.shown}{_there(plan.settings.source)}",
+            f"  events   {plan.settings.zmq}, {_opens(settings)}",
+        ]
     sys.stdout.write("\n".join(lines) + "\n")
     return 0
 

@@ -10,22 +10,20 @@ from collections.abc import Callable, Iterator
 import uvicorn
 from fastapi import FastAPI
 
-from voltcam_simulator import Camera
-from voltcam_video import SourceError
+from voltcam_video import Clock
 
 from .access import SourceRules, Tokens
 from .access.connections import SOCKET_MESSAGE_BYTES, BoundedProtocol
 from .access.reach import check_reach, host_of
-from .api import Access, CameraAnswer, check_encoding, create_app
-from .diagnosis import Diagnosis
-from .emulator import Emulator
-from .problems import UsageError, one_line, where
+from .api import Access, create_app
+from .cameras import Cameras, RunningCamera, Surroundings, plans_of
+from .problems import UsageError, where
+from .reload import Reload
 from .service import tell_systemd
 from .settings import Settings
-from .signals import ended_by_signal
+from .signals import ended_by_signal, reloaded_by_signal
 from .status import Status
 from .status_log import StatusLog
-from .transports import WebSocketTransport, ZeroMQTransport
 
 NOT_OURS = ("graceful shutdown", "Invalid HTTP request", "Unsupported upgrade request")
 GRACE_S = 1  # for HTTP requests under way when the daemon ends
@@ -39,68 +37,73 @@ class _Server(uvicorn.Server):
         yield
 
 
-def serve(settings: Settings, record: str | None, on_ready: Callable[[str, str], None]) -> None:
-    """Run until SIGINT or SIGTERM. `on_ready` gets the page's address and the ZeroMQ endpoint.
+def serve(
+    settings: Settings,
+    record: str | None,
+    on_ready: Callable[[str, dict[str, str]], None],
+    reread: Callable[[], Settings],
+) -> None:
+    """Run until SIGINT or SIGTERM. `on_ready` gets the page's address and the cameras' ZeroMQ endpoints.
 
-    Raises UsageError for settings that cannot be, a port in use, a source that cannot be opened;
-    RecordingError and FormatError for a recording that cannot be made.
+    reread: the settings as they are then, for SIGHUP and REST. Raises UsageError for settings that cannot
+    be, a port in use, a source that cannot be opened; RecordingError and FormatError for a recording that
+    cannot be made.
     """
-    camera = settings.load_camera()
-    check_encoding(settings.encoding, camera.width, camera.height)
+    plans = plans_of(settings)
+    if record and len(plans) > 1:
+        raise UsageError("--record is for one camera: begin the recordings of several over REST")
+    access = _access(settings)
+    cameras = Cameras()
+    with contextlib.ExitStack() as stack:
+        stack.callback(lambda: _leave(cameras))
+        listener = stack.enter_context(_listen(settings.http))
+        page = _url(listener, access.secure)
+        around = Surroundings(
+            page=page,
+            keys=settings.access.curve_keys,
+            clock=Clock(),
+            on_status=_watcher(settings, cameras),
+            on_failure=lambda: setattr(server, "should_exit", True),
+        )
+        reload = Reload(cameras, around, settings, lambda: _checked(reread()))
+        app = create_app(cameras, access, reload)
+        server = _web_server(app, settings)
+        stack.enter_context(ended_by_signal(lambda: _end(server)))
+        stack.enter_context(reloaded_by_signal(reload))
+        stack.callback(cameras.stop)
+        for plan in plans:
+            cameras.replace([*cameras, RunningCamera.of(plan, around)])
+        cameras.start()
+        if record:
+            cameras.get().emulator.record(record)
+        on_ready(page, {camera.name: camera.zmq for camera in cameras})
+        tell_systemd("READY=1")
+        server.run(sockets=[listener])
+        if cameras.failure is not None:
+            raise UsageError(f"the daemon failed: {where(cameras.failure)}: please report it")
+
+
+def _access(settings: Settings) -> Access:
     tokens = Tokens.load(settings.access.tokens_file)
     check_reach(settings, tokens)
-    access = Access(
-        SourceRules(settings.access, settings.source.uri),
+    return Access(
+        SourceRules(settings.access),
         tokens,
         settings.recordings,
         [*settings.access.hosts, host_of(settings.http)],
         secure=settings.access.tls_certificate is not None,
     )
-    emulator: Emulator | None = None
-    with contextlib.ExitStack() as stack:
-        stack.callback(lambda: _leave(emulator))
-        listener = stack.enter_context(_listen(settings.http))
-        page = _url(listener, access.secure)
-        zeromq = ZeroMQTransport(settings.zmq, settings.encoding, settings.access.curve_keys)
-        stack.callback(zeromq.stop)
-        websockets = WebSocketTransport(page)
-        stack.callback(websockets.stop)
-        emulator = Emulator(
-            camera,
-            settings.source,
-            law=settings.law,
-            seed=settings.seed,
-            upsample=settings.upsample,
-            packets=settings.packets,
-            overload=settings.overload,
-            transports=[zeromq, websockets],
-            on_status=_watcher(settings),
-            on_failure=lambda: setattr(server, "should_exit", True),
-        )
-        stack.callback(emulator.stop)
-        diagnosis = Diagnosis(emulator, zeromq.endpoint)
-        stack.callback(diagnosis.stop)
-        app = create_app(emulator, websockets, _about(camera, settings, zeromq), diagnosis, access)
-        server = _web_server(app, settings)
-        stack.enter_context(ended_by_signal(lambda: _end(server)))
-        try:
-            emulator.start()
-        except SourceError as error:
-            raise UsageError(one_line(error)) from None
-        zeromq.start()
-        websockets.start()
-        if record:
-            emulator.record(record)
-        on_ready(page, zeromq.endpoint)
-        tell_systemd("READY=1")
-        server.run(sockets=[listener])
-        if emulator.failure is not None:
-            raise UsageError(f"the daemon failed: {where(emulator.failure)}: please report it")
 
 
-def _leave(emulator: Emulator | None) -> None:
+def _checked(settings: Settings) -> Settings:
+    """As at the start: not open to anyone. Raises UsageError."""
+    check_reach(settings, Tokens.load(settings.access.tokens_file))
+    return settings
+
+
+def _leave(cameras: Cameras) -> None:
     """Do not wait for what cannot be ended: an interval that takes seconds, a disk that does not answer."""
-    if emulator is not None and emulator.busy:
+    if cameras.busy:
         logging.getLogger(__name__).warning(
             "ended in the middle of work that takes long; recordings can be read"
         )
@@ -108,29 +111,19 @@ def _leave(emulator: Emulator | None) -> None:
         os._exit(0)
 
 
-def _watcher(settings: Settings) -> Callable[[Status], None]:
+def _watcher(settings: Settings, cameras: Cameras) -> Callable[[str, Status], None]:
     """Log what changes, and let systemd's watchdog know that events are made, or that nobody sends frames."""
-    log = StatusLog(settings.log)
+    logs: dict[str, StatusLog] = {}
 
-    def watch(status: Status) -> None:
-        log.look(status)
-        if status.state != "stalled":
-            tell_systemd(f"WATCHDOG=1\nSTATUS={status.state} {status.reason}")
+    def watch(camera: str, status: Status) -> None:
+        if camera not in logs:
+            logs[camera] = StatusLog(settings.log, camera if settings.cameras else "")
+        logs[camera].look(status)
+        state, reason = cameras.state
+        if state != "stalled":
+            tell_systemd(f"WATCHDOG=1\nSTATUS={state} {reason}")
 
     return watch
-
-
-def _about(camera: Camera, settings: Settings, zeromq: ZeroMQTransport) -> CameraAnswer:
-    return CameraAnswer(
-        name=camera.name,
-        width=camera.width,
-        height=camera.height,
-        law=settings.law,
-        seed=settings.seed,
-        encoding=settings.encoding,
-        zmq=zeromq.endpoint,
-        parameters=camera.parameters,
-    )
 
 
 def _web_server(app: FastAPI, settings: Settings) -> uvicorn.Server:

@@ -17,15 +17,16 @@ from pathlib import Path
 from typing import Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic.config import JsonDict, JsonValue
 
 from voltcam_client.formats import READABLE, FormatError
 from voltcam_simulator import Parameters
 
+from .camera_settings import load_camera
 from .child import Child
 from .emulator import Emulator
 from .gather import Figures
 from .problems import UsageError, one_line, where
-from .settings import load_camera
 
 GATHER = [sys.executable, "-m", "voltcam_server.gather"]
 DIAGNOSE = [
@@ -47,11 +48,22 @@ Step = tuple[Literal["gathering", "running"], list[str]]
 """A process, and the state while it runs."""
 
 
+def _only(name: str) -> JsonDict:
+    """In JSON schema: this one of the two, and not the other."""
+    other = {"reference": "stream", "stream": "reference"}[name]
+    return {"required": [name], "properties": {name: {"type": "string"}, other: {"type": "null"}}}
+
+
+ONE_OF_THEM: list[JsonValue] = [_only("reference"), _only("stream")]
+
+
 class DiagnosisRequest(BaseModel):
     """reference: a recording on the daemon's host. stream: the ZeroMQ address of a camera that looks at the
     same scene. seconds: of it to look at."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(
+        extra="forbid", json_schema_extra={"oneOf": [_only("reference"), _only("stream")]}
+    )
 
     reference: str | None = Field(default=None, min_length=1, max_length=4096)
     stream: str | None = Field(
@@ -199,14 +211,19 @@ class Diagnosis:
         root = self._work or Path(tempfile.gettempdir())
         for folder in root.glob(f"{FOLDER}*"):
             pid = folder.name.removeprefix(FOLDER).partition("-")[0]
-            if pid == str(os.getpid()) or not Path("/proc", pid).exists():
+            if folder.name.startswith(self._prefix) or not Path("/proc", pid).exists():
                 _thin_out(folder)
+
+    @property
+    def _prefix(self) -> str:
+        """Of our folders: no other camera's, and no other daemon's."""
+        return f"{FOLDER}{os.getpid()}-{id(self):x}-"
 
     def _make_folder(self) -> Path:
         """A new one, with the camera as it is in it."""
         camera = self._emulator.camera.model_copy(update={"parameters": self._began})
         try:
-            folder = Path(tempfile.mkdtemp(prefix=f"{FOLDER}{os.getpid()}-", dir=self._work))
+            folder = Path(tempfile.mkdtemp(prefix=self._prefix, dir=self._work))
             (folder / START).write_text(camera.to_yaml())
         except OSError as error:
             raise UsageError(f"no folder for the diagnosis: {one_line(error)}: set TMPDIR") from None

@@ -2,14 +2,16 @@
 
 import asyncio
 
-from fastapi import APIRouter, HTTPException, Request, WebSocket
+from fastapi import APIRouter, Depends, HTTPException, Request, WebSocket
 from fastapi.responses import FileResponse
 from pydantic import BaseModel
 from starlette.concurrency import run_in_threadpool
 
 from .access import SourceRules
-from .bodies import body_of, read_model
-from .diagnosis import Diagnosis, DiagnosisRequest, DiagnosisState
+from .bodies import body_of, read_model, refuses
+from .camera_api import POLICY_VIOLATION, chosen_of
+from .cameras import Cameras, NoCameraError, RunningCamera
+from .diagnosis import DiagnosisRequest, DiagnosisState
 
 PUSH_PERIOD_S = 0.2
 
@@ -20,51 +22,66 @@ class VersionAnswer(BaseModel):
     parameters_version: int
 
 
-def diagnosis_routes(diagnosis: Diagnosis, rules: SourceRules) -> APIRouter:
+def diagnosis_routes(cameras: Cameras, rules: SourceRules) -> APIRouter:
     """Its routes; rules: what may be named as a reference."""
     api = APIRouter(prefix="/diagnosis")
+    chosen = Depends(chosen_of(cameras))
 
-    @api.get("")
-    async def get_diagnosis() -> DiagnosisState:
-        return diagnosis.state
+    @api.get("", responses=refuses(404))
+    async def get_diagnosis(camera: RunningCamera = chosen) -> DiagnosisState:
+        return camera.diagnosis.state
 
-    @api.post("", status_code=201, openapi_extra=body_of(DiagnosisRequest))
-    async def post_diagnosis(request: Request) -> DiagnosisState:
+    @api.post(
+        "",
+        status_code=201,
+        openapi_extra=body_of(DiagnosisRequest),
+        responses=refuses(400, 404, 409, 413, 422),
+    )
+    async def post_diagnosis(request: Request, camera: RunningCamera = chosen) -> DiagnosisState:
         """Begins one, from the parameters in force, against a recording or a second camera."""
         wanted = await read_model(request, DiagnosisRequest)
         if wanted.reference is not None:
             wanted = wanted.model_copy(update={"reference": str(rules.path(wanted.reference))})
         elif wanted.stream is not None:
             rules.stream(wanted.stream)
-        return await run_in_threadpool(diagnosis.start, wanted)
+        return await run_in_threadpool(camera.diagnosis.start, wanted)
 
-    @api.delete("")
-    async def delete_diagnosis() -> DiagnosisState:
+    @api.delete("", responses=refuses(404, 409))
+    async def delete_diagnosis(camera: RunningCamera = chosen) -> DiagnosisState:
         """Ends it before it is done."""
-        return await run_in_threadpool(diagnosis.end)
+        return await run_in_threadpool(camera.diagnosis.end)
 
-    @api.post("/accept")
-    async def accept() -> VersionAnswer:
+    @api.post("/accept", responses=refuses(404, 409))
+    async def accept(camera: RunningCamera = chosen) -> VersionAnswer:
         """What was found becomes the running parameters, between two frames and all at once."""
-        return VersionAnswer(parameters_version=await run_in_threadpool(diagnosis.accept))
+        return VersionAnswer(parameters_version=await run_in_threadpool(camera.diagnosis.accept))
 
-    @api.post("/revert")
-    async def revert() -> VersionAnswer:
+    @api.post("/revert", responses=refuses(404, 409))
+    async def revert(camera: RunningCamera = chosen) -> VersionAnswer:
         """Back to the parameters from before the last accept."""
-        return VersionAnswer(parameters_version=await run_in_threadpool(diagnosis.revert))
+        return VersionAnswer(parameters_version=await run_in_threadpool(camera.diagnosis.revert))
 
-    @api.get("/report")
-    async def report() -> FileResponse:
+    @api.get(
+        "/report",
+        response_class=FileResponse,
+        responses={200: {"content": {"text/html": {}}}, **refuses(404)},
+    )
+    async def report(camera: RunningCamera = chosen) -> FileResponse:
         """The page about what was found."""
-        path = diagnosis.report
+        path = camera.diagnosis.report
         if path is None or not path.exists():
             raise HTTPException(404, "there is no report: it is there when a diagnosis is done")
         return FileResponse(path, media_type="text/html")
 
     @api.websocket("/progress")
-    async def progress(websocket: WebSocket) -> None:
+    async def progress(websocket: WebSocket, camera: str | None = None) -> None:
         """The state as JSON text, now and after each change."""
         await websocket.accept()
+        try:
+            diagnosis = cameras.get(camera).diagnosis
+        except NoCameraError as problem:
+            await websocket.close(POLICY_VIOLATION, str(problem)[:120])
+            return
         leaving = asyncio.create_task(_leave(websocket))
         seen = -1
         while not leaving.done():

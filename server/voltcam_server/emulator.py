@@ -13,8 +13,9 @@ from collections.abc import Callable, Sequence
 
 from voltcam_client.packet import FrameMessage, Packet
 from voltcam_simulator import Camera, Law
-from voltcam_video import SourceError, SourceRequest
+from voltcam_video import Clock, Granted, SourceError, SourceRequest
 
+from .camera_settings import PacketSettings, Upsample
 from .capture import Capture
 from .mailbox import Mailbox
 from .messages import Message, events_message, frame_message, status_message
@@ -22,9 +23,9 @@ from .overload import OverloadSettings
 from .pacer import Pacer, Slice
 from .problems import UsageError
 from .recorder import Recorder, RecordingStatus
-from .settings import PacketSettings, Upsample
 from .simulation import Interval, Simulation
-from .status import FrameCounts, Latency, Meter, SourceStatus, State, Status
+from .stages import stage_histogram
+from .status import FrameCounts, Latency, Meter, SourceStatus, State, Status, Waiting
 from .transports import Transport
 
 STATUS_PERIOD_S = 1.0
@@ -35,6 +36,7 @@ STALLED_S = 2.0  # so long without an interval's end is more than any overload t
 class Emulator:
     """An event camera looking at a source, with transports attached: `start` it, then `stop` it, once.
 
+    clock: what live frames are stamped with; cameras that share one are on one clock.
     on_status is called with each status that is sent. on_failure is called when a thread of it or of a
     transport ends by an error of ours, then in `failure`.
     """
@@ -50,6 +52,7 @@ class Emulator:
         packets: PacketSettings | None = None,
         overload: OverloadSettings | None = None,
         transports: Sequence[Transport] = (),
+        clock: Clock | None = None,
         on_status: Callable[[Status], None] = lambda _: None,
         on_failure: Callable[[], None] = lambda: None,
     ) -> None:
@@ -61,12 +64,15 @@ class Emulator:
         self._mailbox = Mailbox()
         self._pacer = Pacer(packets or PacketSettings(), self._send_events, self._end_interval)
         self._news = threading.Event()  # the status has changed
-        self._capture = Capture(source, self._mailbox, self._news.set)
+        self._clock = clock or Clock()
+        self._capture = self._capture_of(source)
         self._opening: Capture | None = None
         self._control = threading.Lock()  # one change of source or recording at a time; held briefly
         self._looking = threading.Lock()  # held while a source is opened
         self._recorder: Recorder | None = None
         self._arrived, self._events, self._packets = Meter(), Meter(), Meter()
+        self.stages = stage_histogram()
+        self._stalls, self._recording_errors = 0, 0
         self._frame_seq = 0
         self._latency = Latency(simulated_ms=0, sent_ms=0, age_ms=0)
         self._age_s = 0.0  # of the events that left last
@@ -151,19 +157,21 @@ class Emulator:
         exclusive = former.has_device(request.device)
         if exclusive:
             former.stop()
-        new = self._opening = Capture(request, self._mailbox, self._news.set)
+        new = self._opening = self._capture_of(request)
         new.start()
         try:
             new.wait_open()
         except SourceError:
             new.stop()
             if exclusive:
-                granted = former.state.granted
-                self._use(Capture(former.request, self._mailbox, self._news.set, granted))
+                self._use(self._capture_of(former.request, former.state.granted))
             raise
         finally:
             self._opening = None
         return new
+
+    def _capture_of(self, request: SourceRequest, granted: Granted | None = None) -> Capture:
+        return Capture(request, self._mailbox, self._news.set, granted, self._clock)
 
     def _check_running(self) -> None:
         if self._stopping:
@@ -188,6 +196,7 @@ class Emulator:
             former, self._recorder = self._recorder, None
             if former:
                 former.close()
+                self._recording_errors += former.status.error is not None
             self._recorder = Recorder(path, self.camera.width, self.camera.height)
             return self._recorder.status
 
@@ -198,6 +207,7 @@ class Emulator:
         if recorder is None:
             raise UsageError("nothing is being recorded: begin with POST /api/v1/recording")
         recorder.close()
+        self._recording_errors += recorder.status.error is not None
         return recorder.status
 
     @property
@@ -247,13 +257,23 @@ class Emulator:
             uptime_s=round(time.monotonic() - self._started_s, 3),
             transports={transport.name: transport.status for transport in self._transports},
             recording=recorder.status if recorder else None,
+            waiting=Waiting(
+                frames=mailbox.waiting,
+                intervals=self._pacer.waiting,
+                recording=recorder.waiting if recorder else 0,
+            ),
+            stalls=self._stalls,
+            recording_errors=self._recording_errors + bool(recorder and recorder.status.error),
         )
 
     def _simulate(self) -> None:
         while (arrival := self._mailbox.take()) is not None:
-            self._busy = arrival.at_s, time.monotonic()
+            began_s = time.monotonic()
+            self._busy = arrival.at_s, began_s
             interval = self.simulation.step(arrival)
             self._busy = None
+            self.stages.labels("waiting").observe(began_s - arrival.at_s)
+            self.stages.labels("simulating").observe(time.monotonic() - began_s)
             if interval is not None:
                 self._pacer.put(interval)
 
@@ -285,6 +305,7 @@ class Emulator:
             parameters_version=interval.parameters_version,
         )
         self._publish(frame_message(frame))
+        self.stages.labels("leaving").observe(time.monotonic() - interval.ready_s)
         self._frame_seq += 1
         recorder = self._recorder
         if recorder:
@@ -296,11 +317,14 @@ class Emulator:
         )
 
     def _report(self) -> None:
+        former: State = "starting"
         while not self._stopping:
             self._arrived.total = self._mailbox.received
             for meter in (self._arrived, self._events, self._packets):
                 meter.tick()
             status = self.status
+            self._stalls += status.state == "stalled" != former
+            former = status.state
             self._on_status(status)
             self._publish(status_message(status.model_dump()))
             for transport in self._transports:

@@ -65,6 +65,11 @@ class Mailbox:
             self._changed.notify_all()
             return None if self._closed else self._waiting.popleft()
 
+    @property
+    def waiting(self) -> int:
+        """How many are there."""
+        return len(self._waiting)
+
     def wake(self) -> None:
         """Let those who wait look at their `stop` again."""
         with self._changed:

@@ -1,59 +1,94 @@
-"""The status in Prometheus' text format (version 0.0.4)."""
+"""What the daemon says about itself, in Prometheus' text format, by camera."""
 
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from typing import Any
 
+from prometheus_client import CollectorRegistry, ProcessCollector, generate_latest
+from prometheus_client.metrics_core import CounterMetricFamily, GaugeMetricFamily, Metric
+from prometheus_client.registry import Collector
+
+from .cameras import Cameras
 from .status import Status
 
 CONTENT_TYPE = "text/plain; version=0.0.4; charset=utf-8"
-Sample = tuple[dict[str, str], float]
+STATES = ("starting", "running", "overloaded", "stalled", "source lost", "ended")
+Sample = tuple[tuple[str, ...], float]
 
 
-def prometheus(status: Status) -> str:
-    """Counters end in _total; all names start with voltcam_."""
-    return "".join(f"{line}\n" for line in _lines(status))
+def prometheus(cameras: Cameras) -> str:
+    """All of it. Counters end in _total; all names of ours start with voltcam_."""
+    registry = CollectorRegistry()
+    registry.register(_Cameras(cameras))
+    ProcessCollector(registry=registry)  # memory, processor time, open files
+    return generate_latest(registry).decode()
 
 
-def _lines(status: Status) -> Iterator[str]:
-    frames, latency, recording = status.frames, status.latency, status.recording
-    transports = [({"transport": name}, each) for name, each in status.transports.items()]
-    fates = [({"fate": fate}, count) for fate, count in frames.model_dump(exclude={"received"}).items()]
-    sent = [(label, each.packets_sent) for label, each in transports]
-    dropped = [(label, each.packets_dropped) for label, each in transports]
-    until = [
-        ({"until": "simulated"}, latency.simulated_ms / 1000),
-        ({"until": "sent"}, latency.sent_ms / 1000),
-    ]
-    yield from _samples(
-        "state", "gauge", "1 for the state the daemon is in", [({"state": status.state}, 1.0)]
-    )
-    yield from _metric("load", "gauge", "time of simulating beside the time it is for", status.load)
-    yield from _metric("skipped_seconds_total", "counter", "stream time left out", status.skipped_us / 1e6)
-    yield from _metric("age_seconds", "gauge", "age of what is being sent", latency.age_ms / 1000)
-    yield from _metric(
-        "source_up", "gauge", "1 while the source gives frames", status.source.state == "running"
-    )
-    yield from _metric("source_fps", "gauge", "frames from the source per second", status.source.fps)
-    yield from _metric("frames_received_total", "counter", "frames from the source", frames.received)
-    yield from _samples("frames_total", "counter", "frames from the source, by what became of them", fates)
-    yield from _metric("events_total", "counter", "events sent off", status.events.total)
-    yield from _metric("packets_total", "counter", "event packets sent off", status.packets.total)
-    yield from _samples("packets_sent_total", "counter", "event packets sent to subscribers", sent)
-    yield from _samples("packets_dropped_total", "counter", "event packets dropped for slow ones", dropped)
-    yield from _samples("latency_seconds", "gauge", "newest interval, from its last frame's arrival", until)
-    yield from _metric("parameters_version", "gauge", "changes of parameters", status.parameters_version)
-    yield from _metric(
-        "recording", "gauge", "1 while recording", recording is not None and recording.recording
-    )
-    yield from _metric("uptime_seconds", "gauge", "since the daemon started", status.uptime_s)
+class _Cameras(Collector):
+    def __init__(self, cameras: Cameras) -> None:
+        self._cameras = cameras
+
+    def collect(self) -> Iterator[Metric]:
+        """One family of samples for each thing, with those of all cameras in it."""
+        families: dict[str, Metric] = {}
+        for camera in self._cameras:
+            for metric in _of(camera.emulator.status):
+                _merge(families, metric, camera.name)
+            for metric in camera.emulator.stages.collect():
+                _merge(families, metric, camera.name)
+        return iter(families.values())
 
 
-def _metric(name: str, kind: str, meaning: str, value: float) -> Iterator[str]:
-    return _samples(name, kind, meaning, [({}, value)])
+def _merge(families: dict[str, Metric], metric: Metric, camera: str) -> None:
+    family = families.setdefault(metric.name, Metric(metric.name, metric.documentation, metric.type))
+    for sample in metric.samples:
+        family.samples.append(sample._replace(labels={"camera": camera, **sample.labels}))
 
 
-def _samples(name: str, kind: str, meaning: str, samples: Sequence[Sample]) -> Iterator[str]:
-    yield f"# HELP voltcam_{name} {meaning}"
-    yield f"# TYPE voltcam_{name} {kind}"
-    for labels, value in samples:
-        inside = ",".join(f'{key}="{text}"' for key, text in labels.items())
-        yield f"voltcam_{name}{{{inside}}} {value:.15g}" if inside else f"voltcam_{name} {value:.15g}"
+def _of(status: Status) -> Iterator[Metric]:
+    frames, transports = status.frames, status.transports.items()
+    clients = Counter((name, client.topic) for name, each in transports for client in each.clients)
+    yield _gauge("state", "1 for the state the camera is in", _one_hot(status.state), ["state"])
+    yield _gauge("load", "time of simulating beside the time it is for", status.load)
+    yield _count("stalls", "times that no interval was finished for seconds", status.stalls)
+    yield _count("skipped_seconds", "stream time left out", status.skipped_us / 1e6)
+    yield _gauge("age_seconds", "age of what is being sent", status.latency.age_ms / 1000)
+    yield _gauge("source_up", "1 while the source gives frames", status.source.state == "running")
+    yield _gauge("source_fps", "frames from the source per second", status.source.fps)
+    yield _count("frames_received", "frames from the source", frames.received)
+    fates = [((fate,), count) for fate, count in frames.model_dump(exclude={"received"}).items()]
+    yield _count("frames", "frames from the source, by what became of them", fates, ["fate"])
+    yield _count("events", "events sent off", status.events.total)
+    yield _count("packets", "event packets sent off", status.packets.total)
+    sent = [((name,), each.packets_sent) for name, each in transports]
+    yield _count("packets_sent", "event packets sent to subscribers", sent, ["transport"])
+    dropped = [((name,), each.packets_dropped) for name, each in transports]
+    yield _count("packets_dropped", "event packets dropped for slow ones", dropped, ["transport"])
+    known = list(clients.items())
+    yield _gauge("clients", "subscribers that the transport knows", known, ["transport", "topic"])
+    waiting = [((queue,), count) for queue, count in status.waiting.model_dump().items()]
+    yield _gauge("waiting", "what waits in a queue", waiting, ["queue"])
+    yield _gauge("parameters_version", "changes of parameters", status.parameters_version)
+    recording = status.recording
+    yield _gauge("recording", "1 while recording", recording is not None and recording.recording)
+    yield _count("recording_errors", "recordings that ended by an error", status.recording_errors)
+    yield _gauge("uptime_seconds", "since the camera started", status.uptime_s)
+
+
+def _one_hot(state: str) -> list[Sample]:
+    return [((each,), float(each == state)) for each in STATES]
+
+
+def _gauge(name: str, meaning: str, value: Any, labels: Iterable[str] = ()) -> Metric:
+    return _filled(GaugeMetricFamily(f"voltcam_{name}", meaning, labels=list(labels)), value)
+
+
+def _count(name: str, meaning: str, value: Any, labels: Iterable[str] = ()) -> Metric:
+    return _filled(CounterMetricFamily(f"voltcam_{name}", meaning, labels=list(labels)), value)
+
+
+def _filled(family: GaugeMetricFamily | CounterMetricFamily, value: Any) -> Metric:
+    samples: Iterable[Sample] = value if isinstance(value, list) else [((), float(value))]
+    for labels, each in samples:
+        family.add_metric(list(labels), each)
+    return family

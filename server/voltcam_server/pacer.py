@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .settings import PacketSettings
+from .camera_settings import PacketSettings
 from .simulation import Interval
 
 BURST_PACKET_US = 1_000_000  # some encodings hold a few seconds only
@@ -96,6 +96,11 @@ class Pacer:
                 self._changed.wait()
             self._queue.append(interval)
             self._changed.notify_all()
+
+    @property
+    def waiting(self) -> int:
+        """How many intervals wait for their turn."""
+        return len(self._queue)
 
     def stop(self) -> None:
         """End `run`, and leave what has not left."""

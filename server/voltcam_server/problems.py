@@ -3,7 +3,7 @@
 import reprlib
 import traceback
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
@@ -79,8 +79,12 @@ def _keys(path: Sequence[str | int], model: type[BaseModel]) -> list[str]:
 
 
 def _section(path: Sequence[str | int], model: type[BaseModel]) -> type[BaseModel]:
-    for part in path:
+    left = iter(path)
+    for part in left:
         inner = model.model_fields[str(part)].annotation
+        if get_origin(inner) is dict:  # of sections, by names of the user's own
+            next(left)
+            inner = get_args(inner)[1]
         assert isinstance(inner, type)
         assert issubclass(inner, BaseModel)
         model = inner

@@ -50,6 +50,11 @@ class Recorder:
         self._thread.join(limit_s)
 
     @property
+    def waiting(self) -> int:
+        """How many intervals are still to be written."""
+        return self._queue.qsize()
+
+    @property
     def busy(self) -> bool:
         """Whether its thread goes on."""
         return self._thread.is_alive()

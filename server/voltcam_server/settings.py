@@ -1,12 +1,13 @@
 """What the daemon is told: command line over environment over file over defaults."""
 
 import os
+import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import yaml
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, Field, ValidationError
 from pydantic_settings import (
     BaseSettings,
     EnvSettingsSource,
@@ -15,109 +16,57 @@ from pydantic_settings import (
     SettingsError,
 )
 
-from voltcam_simulator import Camera, Law, Parameters
 from voltcam_simulator.parameters import merged
-from voltcam_video import SourceRequest
 
 from .access import AccessSettings
+from .camera_settings import CameraSettings
 from .log import LogSettings
-from .overload import OverloadSettings
-from .problems import KeyPath, UsageError, explain, faults, one_line
+from .problems import KeyPath, UsageError, faults, one_line
 
-EncodingName = Literal["libcaer", "mono", "evt3", "libcaer_cmp"]
-UPSAMPLE_WAYS = ("off", "linear", "cubic", "auto")
-MOST_UPSAMPLE_STEPS = 64
-
-
-def _upsample(value: object) -> object:
-    """One of the ways, or a number of steps; in words of its own, since a union's errors name its parts."""
-    if value is False:  # as YAML reads an off without quotes
-        return "off"
-    number = str(value)
-    if value in UPSAMPLE_WAYS or (number.isdecimal() and 1 <= int(number) <= MOST_UPSAMPLE_STEPS):
-        return value
-    ways = ", ".join(UPSAMPLE_WAYS)
-    raise ValueError(f"give {ways} or a number of steps from 1 to {MOST_UPSAMPLE_STEPS}")
-
-
-Upsample = Annotated[
-    Literal["off", "linear", "cubic", "auto"] | Annotated[int, Field(ge=1, le=MOST_UPSAMPLE_STEPS)],
-    BeforeValidator(_upsample),
-]
 ENV_PREFIX = "VOLTCAM_"
 # Tokens and keys are no settings, since these may be shown; the last is where tests find recordings.
 NOT_SETTINGS = {"VOLTCAM_TOKEN", "VOLTCAM_VIEW_TOKEN", "VOLTCAM_KEYS", "VOLTCAM_DATA"}
 SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 
-class PacketSettings(BaseModel):
-    """How events are cut into packets, and when these leave."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    smooth: bool = Field(
-        default=True,
-        description="the events of one frame interval leave at their own pace during the next one, as from a "
-        "USB camera; false: all at once, as soon as they are known",
-    )
-    packet_us: int = Field(
-        default=1000, ge=100, le=1000, description="longest packet in microseconds, where smooth"
-    )
-    packet_bytes: int = Field(
-        default=65536, ge=8, le=2**24, description="largest packet, counted as 8 bytes for each event"
-    )
-
-    @property
-    def packet_events(self) -> int:
-        return self.packet_bytes // 8
+MOST_CAMERAS = 16
+CAMERA_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,31}")
 
 
-class Settings(BaseSettings):
-    """The config file of `voltcam serve`. All keys are optional."""
+def _camera_name(name: str) -> str:
+    if not CAMERA_NAME.fullmatch(name):
+        raise ValueError("name a camera by at most 32 letters, digits, - and _, such as left")
+    return name
+
+
+CameraName = Annotated[str, AfterValidator(_camera_name)]
+
+
+class Settings(CameraSettings, BaseSettings):
+    """The config file of `voltcam serve`. All keys are optional.
+
+    cameras: several in one daemon; what is said of a camera outside holds for those that do not say it.
+    """
 
     model_config = SettingsConfigDict(title="Voltcam", frozen=True, extra="forbid")
 
-    camera: str = Field(
-        default="davis346", min_length=1, description="a camera's name, or the path of a camera file (.yaml)"
+    cameras: dict[CameraName, CameraSettings] = Field(
+        default={},
+        max_length=MOST_CAMERAS,
+        description="several cameras in one daemon, by names of your own; what stands outside holds for each "
+        "that does not say otherwise, and each has a zmq endpoint of its own",
     )
-    law: Law = Field(
-        default="exact",
-        description="exact: Brownian motion itself; paper: the algorithm of DVS-Voltmeter, as published",
-    )
-    seed: int = Field(default=0, ge=0, lt=2**63, description="the same seed and frames give the same events")
-    source: SourceRequest = Field(default_factory=SourceRequest, description="where frames come from")
-    upsample: Upsample = Field(
-        default="off",
-        description="frames between frames. linear: none, light goes in straight lines; cubic: on a monotone "
-        "curve through the neighbouring frames, a frame later; auto: along the motion, in steps below a "
-        "pixel; N: likewise, in N steps; off: linear in serve, cubic in convert",
-    )
-    parameters: Parameters = Field(
-        default_factory=Parameters, description="changes to the camera's parameters, nested by effect"
-    )
-    packets: PacketSettings = Field(default_factory=PacketSettings, description="packets and their pace")
-    overload: OverloadSettings = Field(
-        default_factory=OverloadSettings, description="bounds of what is simulated at a time"
-    )
+
     access: AccessSettings = Field(
         default_factory=AccessSettings, description="who may use the daemon, and what they may name"
     )
     recordings: Path = Field(default=Path(), description="folder of the recordings that are begun over REST")
     log: LogSettings = Field(default_factory=LogSettings, description="lines on standard error")
-    encoding: EncodingName = Field(
-        default="libcaer", description="of event packets; a WebSocket client may ask for another"
-    )
     http: str = Field(
         default="127.0.0.1:8560",
         pattern=r"^(\[[0-9A-Fa-f:.]+\]|[^:/\s]+):\d{1,5}$",
         examples=["127.0.0.1:8560"],
         description="HOST:PORT of REST, WebSocket and the page; beyond this machine it needs a token",
-    )
-    zmq: str = Field(
-        default="tcp://127.0.0.1:5560",
-        pattern=r"^(tcp|ipc)://\S+$",
-        examples=["tcp://127.0.0.1:5560"],
-        description="ZeroMQ endpoint of events, frames and status; port 0 takes a free one",
     )
 
     @classmethod
@@ -132,11 +81,15 @@ class Settings(BaseSettings):
         """Only what `load` passes: it lays the layers over each other itself, to know which one is wrong."""
         return (init_settings,)
 
-    def load_camera(self) -> Camera:
-        """The camera with the changed parameters. Raises UsageError."""
-        camera = load_camera(self.camera)
-        changes = self.parameters.model_dump(exclude_unset=True)
-        return camera.model_copy(update={"parameters": camera.parameters.changed(changes)})
+    def each(self) -> dict[str, CameraSettings]:
+        """The cameras by name. Without `cameras` it is one, under the name of its camera file."""
+        own = self.model_dump(exclude_unset=True, include=set(CameraSettings.model_fields))
+        if not self.cameras:
+            return {self.camera: CameraSettings.model_validate(own)}
+        return {
+            name: CameraSettings.model_validate(merged(own, camera.model_dump(exclude_unset=True)))
+            for name, camera in self.cameras.items()
+        }
 
 
 def load(
@@ -154,24 +107,22 @@ def load(
     for layer in reversed(layers.values()):
         content = merged(content, layer)
     try:
-        return Settings(**content)
+        settings = Settings(**content)
     except ValidationError as error:
         found = [f"{_origin(layers, path)}: {text}" for path, text in faults(error, Settings)]
         raise UsageError("; ".join(found)) from None
+    _check_endpoints(settings.each())
+    return settings
 
 
-def load_camera(name_or_path: str) -> Camera:
-    """A camera by name or file. Raises UsageError."""
-    try:
-        return Camera.load(name_or_path)
-    except ValidationError as error:
-        raise UsageError(f"{name_or_path}: {explain(error, Parameters)}") from None
-    except OSError as error:
-        raise UsageError(
-            f"{name_or_path} cannot be read: {error.strerror}: check the name and its rights"
-        ) from None
-    except ValueError as error:
-        raise UsageError(one_line(error)) from None
+def _check_endpoints(cameras: Mapping[str, CameraSettings]) -> None:
+    seen: dict[str, str] = {}
+    for name, camera in cameras.items():
+        if camera.zmq in seen and not camera.zmq.endswith(":0"):
+            raise UsageError(
+                f"cameras.{name}.zmq: {camera.zmq} is that of {seen[camera.zmq]}: give each camera its own"
+            )
+        seen[camera.zmq] = name
 
 
 def schema() -> dict[str, Any]:

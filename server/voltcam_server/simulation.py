@@ -15,10 +15,10 @@ from voltcam_simulator.effect import Effect
 from voltcam_simulator.pixel_array import Pattern
 from voltcam_video import Frame, Image, along_cubic, along_flow, fit, follows
 
+from .camera_settings import Upsample
 from .mailbox import Arrival
 from .overload import Load, OverloadSettings, coarser
 from .problems import one_line
-from .settings import Upsample
 
 MISSED_AT_LEAST = 2  # dropped frames, of which what was between is skipped
 MOST_PERIODS = 2  # of frames, that simulating it may take: on a machine that was late for once it is not
@@ -231,9 +231,10 @@ class Simulation:
 
     def _cut(self, image: Image, arrival: Arrival) -> Interval:
         """Go on from a frame that does not follow from the last one: no events for the change."""
-        earliest_us = 0 if self._last_us is None else self._last_us + self._period_us
-        shift_us = max(0, earliest_us - arrival.frame.t_us)
-        t_us = arrival.frame.t_us + shift_us
+        t_us, last_us = arrival.frame.t_us, self._last_us
+        # No shift where time goes on by itself: cameras on one clock must stay on it.
+        shift_us = 0 if last_us is None or t_us > last_us else last_us + self._period_us - t_us
+        t_us += shift_us
         self.simulated += 1
         self._shift_us = shift_us
         return self._jump(image, t_us, arrival)

@@ -60,13 +60,21 @@ class Latency(BaseModel):
 State = Literal["starting", "running", "overloaded", "stalled", "source lost", "ended"]
 
 
+class Waiting(BaseModel):
+    """What waits: frames for the simulation, intervals to leave, intervals to be written into a recording."""
+
+    frames: int
+    intervals: int
+    recording: int
+
+
 class Status(BaseModel):
     """All of it.
 
     state, reason: how the daemon is, and in one line why where that is not "running". overloaded: something
     was left out in the last seconds; stalled: no interval has been finished for seconds.
     load: the time that simulating takes beside the time it is for; 2 means twice too much for this machine.
-    skipped_us: the time that no events were made of.
+    skipped_us: the time that no events were made of. stalls, recording_errors: since the start.
     """
 
     state: State
@@ -82,6 +90,9 @@ class Status(BaseModel):
     uptime_s: float
     transports: dict[str, TransportStatus]
     recording: RecordingStatus | None
+    waiting: Waiting
+    stalls: int
+    recording_errors: int
 
 
 class Meter:

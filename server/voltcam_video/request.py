@@ -43,6 +43,13 @@ class SourceRequest(BaseModel):
         "wall clock; fast delivers at once, with the recording's own times",
     )
     loop: bool = Field(default=False, description="start a recording again at its end, time running on")
+    rig: str | None = Field(
+        default=None,
+        min_length=1,
+        max_length=64,
+        description="a name of your own: recordings of one rig, such as a stereo pair, play on one time "
+        "line, frames of one recorded time at one moment",
+    )
     fit: Fit = Field(
         default="crop",
         description="how frames of other proportions go into the camera's array: crop (edges lost), "

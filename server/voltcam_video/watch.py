@@ -31,18 +31,22 @@ def watch(
     stop: threading.Event,
     on_state: Callable[[SourceState], None],
     granted: Granted | None = None,
+    clock: Clock | None = None,
 ) -> Iterator[Frame]:
     """Opens the source and yields its frames until it ends or `stop` is set, which takes effect within 0.2 s.
 
     A live source that fails after its first frame is opened again for ever, waiting 0.5 s to 10 s between
     attempts; its next frame has `cut` set. One that fails before its first frame raises SourceError, as a
     recording that fails does. granted: what a source gave that ran before: it is opened again for ever, too.
-    `on_state` is called at every change, by the thread that takes the frames.
+    `on_state` is called at every change, by the thread that takes the frames. clock: shared by cameras whose
+    frames are to be on one.
     """
+    clock = clock or Clock()
     attempts, ran = 0, False
     on_state(SourceState("opening"))
     while not stop.is_set():
-        reader = _Reader(request, Clock())  # anew: the wall clock may have been set since
+        clock.renew()
+        reader = _Reader(request, clock)
         try:
             for frame in reader.frames(stop):
                 if attempts or not ran:

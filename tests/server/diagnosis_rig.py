@@ -15,15 +15,13 @@ import pytest
 from websockets.sync.client import ClientConnection, connect
 
 from voltcam_client import Control, ControlError
-from voltcam_server.api import create_app
 from voltcam_server.diagnosis import Diagnosis
 from voltcam_server.emulator import Emulator
 from voltcam_server.transports import WebSocketTransport, ZeroMQTransport
 from voltcam_simulator import Camera
 from voltcam_video import SourceRequest
 
-from .rig import PATIENCE_S, SCENE, Listener, open_access, tiny, web_server
-from .test_api import about
+from .rig import PATIENCE_S, SCENE, Listener, app_of, running, tiny, web_server
 
 # It says who it is, waits for the order how to end, and takes what it finds from the camera it is given.
 STUB = """
@@ -119,9 +117,7 @@ def diagnosing(tmp_path: Path) -> Iterator[Bench]:
         diagnosis = Diagnosis(emulator, zmq, command=command, work=tmp_path)
         try:
             with (
-                web_server(
-                    create_app(emulator, WebSocketTransport(""), about(camera), diagnosis, open_access())
-                ) as address,
+                web_server(app_of(running(emulator, WebSocketTransport(""), diagnosis=diagnosis))) as address,
                 httpx.Client(base_url=f"http://{address}/api/v1/", trust_env=False) as http,
                 connect(f"ws://{address}/api/v1/diagnosis/progress") as progress,
             ):

@@ -33,15 +33,20 @@ from voltcam_client.packet import (
     decode_packet,
 )
 from voltcam_server.access import AccessSettings, SourceRules, Tokens
-from voltcam_server.api import Access
+from voltcam_server.api import Access, create_app
+from voltcam_server.camera_settings import CameraSettings
+from voltcam_server.cameras import Cameras, Plan, RunningCamera
+from voltcam_server.diagnosis import Diagnosis
 from voltcam_server.emulator import Emulator
 from voltcam_server.mailbox import Arrival
 from voltcam_server.messages import Message
-from voltcam_server.transports import Transport, TransportStatus
+from voltcam_server.reload import ReloadAnswer
+from voltcam_server.transports import Transport, TransportStatus, WebSocketTransport
 from voltcam_simulator import Camera, Parameters
 from voltcam_video import Frame, SourceRequest
 
 LOGGED = re.compile(r"\d{4}-\d\d-\d\d \d\d:\d\d:\d\d (INFO|WARNING) ")  # what the daemon says by itself
+NO_ZMQ = "tcp://127.0.0.1:5560"  # as a camera says; nobody is there
 PATIENCE_S = 30.0  # how long a test waits for something that happens in well under a second
 
 
@@ -153,7 +158,20 @@ def open_access(recordings: Path = Path("/"), **settings: Any) -> Access:
     rules = AccessSettings(
         **{"source_folders": [Path("/")], "source_urls": ["*"], "streams": ["*"]} | settings
     )
-    return Access(SourceRules(rules, "scene"), Tokens([]), recordings)
+    return Access(SourceRules(rules), Tokens([]), recordings)
+
+
+def running(emulator: Emulator, websockets: WebSocketTransport, **parts: Any) -> RunningCamera:
+    """The emulator as a camera of a daemon's; nobody is at its ZeroMQ endpoint."""
+    settings = CameraSettings(source=SCENE, zmq=NO_ZMQ)
+    given = {"diagnosis": Diagnosis(emulator, NO_ZMQ), "zmq": NO_ZMQ} | parts
+    plan = Plan(emulator.camera.name, settings, emulator.camera)
+    return RunningCamera(plan, emulator, websockets=websockets, **given)
+
+
+def app_of(*cameras: RunningCamera, access: Access | None = None) -> FastAPI:
+    """The web application over cameras that run."""
+    return create_app(Cameras(cameras), access or open_access(), ReloadAnswer)
 
 
 @contextlib.contextmanager
@@ -204,8 +222,9 @@ def voltcam_path() -> str:
 class Daemon:
     """`voltcam serve` on free ports, ready when made; a context manager that ends it by SIGTERM."""
 
-    def __init__(self, *arguments: str, ready: bool = True) -> None:
-        command = [voltcam_path(), "serve", "--http", "127.0.0.1:0", "--zmq", "tcp://127.0.0.1:0", *arguments]
+    def __init__(self, *arguments: str, ready: bool = True, own_zmq: bool = False) -> None:
+        command = [voltcam_path(), "serve", "--http", "127.0.0.1:0", *arguments]
+        command += [] if own_zmq else ["--zmq", "tcp://127.0.0.1:0"]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.banner = ""
         assert self.process.stdout is not None

@@ -1,7 +1,6 @@
 """REST, at a real web server over a small camera in process."""
 
 import json
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +9,6 @@ from typing import Any
 import httpx
 import numpy as np
 import pytest
-from fastapi import FastAPI
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import (
@@ -20,20 +18,17 @@ from hypothesis.stateful import (
     rule,
     run_state_machine_as_test,
 )
+from prometheus_client.parser import text_string_to_metric_families
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 from voltcam_client.formats import read
-from voltcam_server.api import CameraAnswer, check_encoding, create_app
-from voltcam_server.diagnosis import Diagnosis
+from voltcam_server.camera_settings import check_encoding
 from voltcam_server.emulator import Emulator
 from voltcam_server.problems import UsageError
 from voltcam_server.transports import WebSocketTransport
-from voltcam_simulator import Camera
 
-from .rig import PATIENCE_S, SCENE, Listener, emulating, open_access, tiny, web_server
-
-NO_ZMQ = "tcp://127.0.0.1:5560"  # as the camera says; nobody is there
+from .rig import PATIENCE_S, SCENE, Listener, app_of, emulating, running, tiny, web_server
 
 
 @dataclass
@@ -53,33 +48,13 @@ class Api:
         return detail
 
 
-def app_of(emulator: Emulator, websockets: WebSocketTransport) -> FastAPI:
-    diagnosis = Diagnosis(emulator, NO_ZMQ)
-    return create_app(emulator, websockets, about(emulator.camera), diagnosis, open_access())
-
-
-def about(camera: Camera) -> CameraAnswer:
-    return CameraAnswer(
-        name=camera.name,
-        width=camera.width,
-        height=camera.height,
-        law="exact",
-        seed=0,
-        encoding="libcaer",
-        zmq=NO_ZMQ,
-        parameters=camera.parameters,
-    )
-
-
 @pytest.fixture(scope="module")
 def api() -> Iterator[Api]:
     camera = tiny()
     websockets = WebSocketTransport("here")
     with (
         emulating(SCENE, camera) as (emulator, listener),
-        web_server(
-            create_app(emulator, websockets, about(camera), Diagnosis(emulator, NO_ZMQ), open_access())
-        ) as address,
+        web_server(app_of(running(emulator, websockets))) as address,
         httpx.Client(base_url=f"http://{address}/api/v1/", trust_env=False) as http,
     ):
         yield Api(emulator, listener, http, address)
@@ -189,19 +164,26 @@ def test_health_and_metrics(api: Api) -> None:
     response = httpx.get(f"{base}/metrics", trust_env=False)
     after = api.http.get("status").json()
     assert response.headers["content-type"].startswith("text/plain; version=0.0.4")
-    line = re.compile(r'(# (HELP|TYPE) \w+ .+|voltcam_\w+(\{\w+="\w+"\})? [-+.e0-9]+)')
-    assert all(line.fullmatch(text) for text in response.text.splitlines())
-    values = dict(text.rsplit(" ", 1) for text in response.text.splitlines() if text[0] != "#")
-    events = float(values["voltcam_events_total"])
+    families = {family.name: family for family in text_string_to_metric_families(response.text)}
+    value = {
+        (sample.name, *(each for key, each in sample.labels.items() if key != "camera")): sample.value
+        for family in families.values()
+        for sample in family.samples
+        if sample.labels.get("camera") == "tiny"
+    }
+    events = value["voltcam_events_total",]
     assert before["events"]["total"] <= events <= after["events"]["total"]
-    assert int(values['voltcam_packets_sent_total{transport="listener"}']) > 0
+    assert value["voltcam_packets_sent_total", "listener"] > 0
+    assert value["voltcam_state", "running"] == 1
+    assert value["voltcam_state", "stalled"] == 0
+    simulated = value["voltcam_stage_seconds_count", "simulating"]
+    assert before["frames"]["received"] <= simulated <= after["frames"]["received"]
+    assert families["process_resident_memory_bytes"].samples[0].value > 1e6
 
 
 def test_not_ready_before_the_first_frame() -> None:
     emulator = Emulator(tiny(), SCENE)
-    diagnosis = Diagnosis(emulator, NO_ZMQ)
-    app = create_app(emulator, WebSocketTransport("here"), about(emulator.camera), diagnosis, open_access())
-    with web_server(app) as address:
+    with web_server(app_of(running(emulator, WebSocketTransport("here")))) as address:
         assert httpx.get(f"http://{address}/readyz", trust_env=False).status_code == 503
         assert httpx.get(f"http://{address}/healthz", trust_env=False).status_code == 200
         emulator.failure = RuntimeError("a bug")
@@ -240,6 +222,8 @@ def test_openapi_describes_the_bodies(api: Api) -> None:
     paths = api.http.get("openapi.json").json()["paths"]
     assert {path.removeprefix("/api/v1") for path in paths} == {
         "/camera",
+        "/cameras",
+        "/reload",
         "/parameters",
         "/parameters/schema",
         "/source",

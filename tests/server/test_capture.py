@@ -12,7 +12,7 @@ import pytest
 
 from voltcam_server.emulator import Emulator
 from voltcam_server.problems import UsageError
-from voltcam_video import Frame, Granted, SourceError, SourceRequest, SourceState
+from voltcam_video import Clock, Frame, Granted, SourceError, SourceRequest, SourceState
 
 from .rig import (
     PATIENCE_S,
@@ -113,6 +113,7 @@ class OnlyCamera:
         stop: threading.Event,
         on_state: Callable[[SourceState], None],
         granted: Granted | None = None,
+        clock: Clock | None = None,
     ) -> Iterator[Frame]:
         self.open_count += 1
         try:
@@ -149,11 +150,12 @@ class UnpluggedCamera(OnlyCamera):
         stop: threading.Event,
         on_state: Callable[[SourceState], None],
         granted: Granted | None = None,
+        clock: Clock | None = None,
     ) -> Iterator[Frame]:
         if granted is not None:
             on_state(SourceState("reconnecting", "/dev/video0: unplugged", granted, 1))
             stop.wait(0.1)
-        return super().__call__(request, stop, on_state, granted)
+        return super().__call__(request, stop, on_state, granted, clock)
 
 
 def test_the_old_camera_goes_on_when_it_comes_back(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from voltcam_server.camera_settings import PacketSettings
 from voltcam_server.emulator import Emulator
 from voltcam_server.problems import UsageError
-from voltcam_server.settings import PacketSettings
 from voltcam_simulator import Simulator
 from voltcam_video import SourceRequest
 

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from voltcam_client.packet import EVENT
+from voltcam_server.camera_settings import PacketSettings
 from voltcam_server.pacer import BURST_PACKET_US, Pacer, PlayOut, Slice, slices
-from voltcam_server.settings import PacketSettings
 from voltcam_server.simulation import Interval
 
 from .rig import PATIENCE_S

@@ -7,8 +7,9 @@ from typing import Any
 import pytest
 import yaml
 
+from voltcam_server.camera_settings import load_camera
 from voltcam_server.problems import UsageError
-from voltcam_server.settings import Settings, load, load_camera, parse_change, schema
+from voltcam_server.settings import Settings, load, parse_change, schema
 
 SCHEMA = Path(__file__).parents[2] / "docs" / "voltcam.schema.json"
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from voltcam_server.camera_settings import Upsample
 from voltcam_server.overload import OverloadSettings
-from voltcam_server.settings import Upsample
 from voltcam_server.simulation import PATIENCE_FRAMES, Simulation
 from voltcam_simulator import Parameters, Simulator
 from voltcam_video import Frame, between

@@ -130,6 +130,7 @@ class StillClock(Clock):
     """Time passes only by waiting, which takes none."""
 
     def __init__(self, now_us: int) -> None:
+        super().__init__()
         self.time_us = now_us
         self.waits: list[int] = []
 

@@ -28,11 +28,11 @@ def check_reach(settings: "Settings", tokens: Tokens) -> None:
             f"--http {settings.http} is open to the network, and there is no token: set VOLTCAM_TOKEN to one "
             "made with `openssl rand -hex 32`, or access.tokens_file in the config file, or stay on 127.0.0.1"
         )
-    if settings.zmq.startswith("tcp://"):
-        host = host_of(settings.zmq.removeprefix("tcp://"))
-        if not _is_loopback(host) and access.curve_keys is None:
+    for camera in settings.each().values():
+        tcp = camera.zmq.startswith("tcp://")
+        if tcp and not _is_loopback(host_of(camera.zmq.removeprefix("tcp://"))) and access.curve_keys is None:
             raise UsageError(
-                f"--zmq {settings.zmq} is open to the network, and there are no keys: make some with "
+                f"--zmq {camera.zmq} is open to the network, and there are no keys: make some with "
                 "`voltcam keys`, name their folder as access.curve_keys in the config, or stay on 127.0.0.1"
             )
 

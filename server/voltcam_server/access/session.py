@@ -8,7 +8,7 @@ from collections import OrderedDict
 from fastapi import APIRouter, HTTPException, Request, Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from ..bodies import body_of, read_model
+from ..bodies import body_of, read_model, refuses
 from .tokens import Role, Tokens
 
 COOKIE = "voltcam_session"
@@ -62,11 +62,11 @@ def session_routes(tokens: Tokens, sessions: Sessions, secure: bool) -> APIRoute
     """`/session`; secure: the cookie is for https only."""
     api = APIRouter(prefix="/session")
 
-    @api.get("")
+    @api.get("", responses=refuses(403))
     async def get_session(request: Request) -> SessionAnswer:
         return SessionAnswer(role=request.scope.get("voltcam_role"), needs_token=bool(tokens))
 
-    @api.post("", openapi_extra=body_of(SessionRequest))
+    @api.post("", openapi_extra=body_of(SessionRequest), responses=refuses(400, 401, 403, 413, 422))
     async def post_session(request: Request, response: Response) -> SessionAnswer:
         """Begins a session for a page in a browser: sets a cookie."""
         wanted = await read_model(request, SessionRequest)
@@ -78,7 +78,7 @@ def session_routes(tokens: Tokens, sessions: Sessions, secure: bool) -> APIRoute
         )
         return SessionAnswer(role=role, needs_token=bool(tokens))
 
-    @api.delete("")
+    @api.delete("", responses=refuses(403))
     async def delete_session(request: Request, response: Response) -> SessionAnswer:
         """Ends it."""
         sessions.end(request.cookies.get(COOKIE, ""))

@@ -12,15 +12,18 @@ from .settings import AccessSettings
 
 
 class SourceRules:
-    """own: the source of the settings, which may always be asked for again."""
+    """Held against the settings of access."""
 
-    def __init__(self, settings: AccessSettings, own: str) -> None:
-        self._settings, self._own = settings, own
+    def __init__(self, settings: AccessSettings) -> None:
+        self._settings = settings
 
-    def allowed(self, request: SourceRequest) -> SourceRequest:
-        """The request, with the path of a file resolved. Raises AccessError."""
+    def allowed(self, request: SourceRequest, own: str) -> SourceRequest:
+        """The request, with the path of a file resolved. Raises AccessError.
+
+        own: the source of the camera's settings, which may always be asked for again.
+        """
         uri = request.uri
-        if uri in (self._own, "scene") or request.shown == self._own:
+        if uri in (own, "scene") or request.shown == own:
             return request
         if request.device is not None:
             self._check(request.device, self._settings.source_devices, "source_devices")

@@ -10,40 +10,59 @@ from voltcam_video.request import SourceRequest
 from voltcam_video.sources.source import Source
 
 LATE_US = 100_000
+GIVEN_UP_US = 1_000_000  # further behind than when frames began to be left out: leaving them out is no help
 DEFAULT_PERIOD_US = 33_333  # a recording of one frame, looped: nothing in it says how long the frame lasts
 
 
 def play(
-    take: Callable[[], Iterator[Frame]], *, loop: bool, realtime: bool, clock: Clock, stop: threading.Event
+    take: Callable[[], Iterator[Frame]],
+    *,
+    loop: bool,
+    realtime: bool,
+    clock: Clock,
+    stop: threading.Event,
+    rig: str | None = None,
 ) -> Generator[Frame, None, None]:
     """The frames of `take()`, strictly increasing in t_us, on one time line; `loop` takes it again and again,
     a last interval's time after its end.
 
     realtime: each at its due time, the first at once, stamped with the wall clock. A machine too slow for
     that plays slower rather than later and later: once LATE_US behind, the rest of the time line moves.
+    rig: the name of a time line that others play on too. Who comes to it later begins where they are; who
+    falls behind leaves frames out, as a camera would.
     """
+    line = clock.line(rig)
+    turn = line.turn
     due_us: int | None = None
-    shift_us, period_us = 0, DEFAULT_PERIOD_US
+    period_us = DEFAULT_PERIOD_US
+    cut = False
+    behind_us: int | None = None  # how late the first of the frames that are being left out was
     while True:
         former_us: int | None = None
         for frame in take():
-            again = former_us is None and due_us is not None
-            if due_us is None:
-                shift_us = clock.now_us() - frame.t_us if realtime else 0
-            elif former_us is None:
-                shift_us = due_us + period_us - frame.t_us
-            else:
+            if former_us is not None:
                 period_us = frame.t_us - former_us
+            elif due_us is not None:
+                line.begin(turn, due_us + period_us - frame.t_us)
+            else:
+                line.begin(turn, clock.now_us() - frame.t_us if realtime else 0)
+            former_us, due_us = frame.t_us, frame.t_us + line.shift_us(turn)
             if realtime:
-                late_us = clock.now_us() - (frame.t_us + shift_us)
+                late_us = clock.now_us() - due_us
                 if late_us > LATE_US:
-                    shift_us += late_us
-                if not clock.wait_until(frame.t_us + shift_us, stop):
+                    behind_us = late_us if behind_us is None else behind_us
+                    if line.shared and late_us < behind_us + GIVEN_UP_US:
+                        continue
+                    line.move(turn, late_us)
+                    due_us += late_us
+                behind_us = None
+                if not clock.wait_until(due_us, stop):
                     return
-            former_us, due_us = frame.t_us, frame.t_us + shift_us
-            yield Frame(frame.image, due_us, cut=again)
+            yield Frame(frame.image, due_us, cut)
+            cut = False
         if not loop or former_us is None:
             return
+        turn, cut = turn + 1, True
 
 
 class RecordedSource(Source):
@@ -54,7 +73,12 @@ class RecordedSource(Source):
     def __init__(self, request: SourceRequest, clock: Clock, stop: threading.Event) -> None:
         super().__init__(request, clock, stop)
         self._playing = play(
-            self._take, loop=request.loop, realtime=request.pace == "realtime", clock=clock, stop=stop
+            self._take,
+            loop=request.loop,
+            realtime=request.pace == "realtime",
+            clock=clock,
+            stop=stop,
+            rig=request.rig,
         )
 
     @abstractmethod

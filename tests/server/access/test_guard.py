@@ -11,12 +11,9 @@ from websockets.sync.client import connect
 
 from voltcam_client import Control, ControlError
 from voltcam_server.access import Tokens
-from voltcam_server.api import create_app
-from voltcam_server.diagnosis import Diagnosis
 from voltcam_server.transports import WebSocketTransport
 
-from ..rig import SCENE, emulating, open_access, tiny, web_server
-from ..test_api import NO_ZMQ, about
+from ..rig import SCENE, app_of, emulating, open_access, running, web_server
 
 VIEW, CONTROL = "view-" + "v" * 20, "control-" + "c" * 20
 
@@ -30,10 +27,11 @@ def tokens(request: pytest.FixtureRequest) -> Tokens:
 def address(tokens: Tokens, tmp_path: Path) -> Iterator[str]:
     access = replace(open_access(tmp_path), tokens=tokens, hosts=["robot.local"])
     websockets = WebSocketTransport("here")
-    with emulating(SCENE) as (emulator, _):
-        diagnosis = Diagnosis(emulator, NO_ZMQ)
-        with web_server(create_app(emulator, websockets, about(tiny()), diagnosis, access)) as where:
-            yield where
+    with (
+        emulating(SCENE) as (emulator, _),
+        web_server(app_of(running(emulator, websockets), access=access)) as where,
+    ):
+        yield where
 
 
 def bearer(token: str) -> dict[str, str]:

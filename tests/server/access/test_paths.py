@@ -39,7 +39,8 @@ def test_what_is_below_is_allowed(name: str, tmp_path: Path) -> None:
     assert resolve_under([Path("/nowhere"), tmp_path], str(tmp_path / name)) == (tmp_path / name).resolve()
 
 
-RULES = SourceRules(AccessSettings(source_urls=["rtsp://good.local/*"]), "rtsp://me:secret@mine.local/front")
+RULES = SourceRules(AccessSettings(source_urls=["rtsp://good.local/*"]))
+OWN = "rtsp://me:secret@mine.local/front"
 
 
 @pytest.mark.parametrize(
@@ -52,7 +53,7 @@ RULES = SourceRules(AccessSettings(source_urls=["rtsp://good.local/*"]), "rtsp:/
 )  # fmt: skip
 def test_sources_that_were_not_opened_to_the_network_are_refused(uri: str) -> None:
     with pytest.raises(AccessError) as refusal:
-        RULES.allowed(SourceRequest(uri=uri))
+        RULES.allowed(SourceRequest(uri=uri), OWN)
     assert "\n" not in str(refusal.value)
 
 
@@ -60,12 +61,12 @@ def test_sources_that_were_not_opened_to_the_network_are_refused(uri: str) -> No
     "uri", ["scene", "0", "/dev/video1", "rtsp://good.local/front", "rtsp://me:secret@mine.local/front"]
 )
 def test_sources_that_were_are_allowed(uri: str) -> None:
-    assert RULES.allowed(SourceRequest(uri=uri)).uri == uri
+    assert RULES.allowed(SourceRequest(uri=uri), OWN).uri == uri
 
 
 def test_a_recording_below_the_folders_is_resolved(tmp_path: Path) -> None:
-    rules = SourceRules(AccessSettings(source_folders=[tmp_path]), "scene")
-    assert rules.allowed(SourceRequest(uri="a.mp4")).uri == str(tmp_path.resolve() / "a.mp4")
+    rules = SourceRules(AccessSettings(source_folders=[tmp_path]))
+    assert rules.allowed(SourceRequest(uri="a.mp4"), "scene").uri == str(tmp_path.resolve() / "a.mp4")
     with pytest.raises(AccessError):
         rules.stream("tcp://elsewhere:5560")
     assert rules.stream("tcp://127.0.0.1:5561") == "tcp://127.0.0.1:5561"

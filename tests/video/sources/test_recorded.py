@@ -74,3 +74,51 @@ def test_stop_ends_the_wait_and_the_recording() -> None:
     next(playing)
     threading.Timer(0.05, stop.set).start()
     assert next(playing, None) is None
+
+
+def test_recordings_of_one_rig_show_one_moment_at_one_time_in_every_turn(still_clock: "StillClock") -> None:
+    left, right = (
+        play(
+            take_of(0, 1000, 2000),
+            loop=True,
+            realtime=True,
+            clock=still_clock,
+            stop=threading.Event(),
+            rig="head",
+        )
+        for _ in range(2)
+    )
+    first = next(left)
+    still_clock.time_us += 700  # the other camera takes its time to open
+    pairs = [(first, next(right)), *islice(zip(left, right, strict=True), 6)]
+    assert [one.t_us for one, _ in pairs] == [START_US + t_us for t_us in range(0, 7000, 1000)]
+    assert all(one.t_us == other.t_us for one, other in pairs)
+
+
+def test_who_is_late_on_a_rig_leaves_frames_out_and_moves_nobody(still_clock: "StillClock") -> None:
+    times_us = range(0, 3_000_000, 50_000)
+    left, right = (
+        play(
+            take_of(*times_us),
+            loop=False,
+            realtime=True,
+            clock=still_clock,
+            stop=threading.Event(),
+            rig="head",
+        )
+        for _ in range(2)
+    )
+    next(left), next(right)
+    still_clock.time_us += 1_000_000  # the one on the right is held up
+    assert next(right).t_us == START_US + 1_000_000 - LATE_US
+    assert {frame.t_us for frame in right} < {START_US + t_us for t_us in times_us}
+    assert next(left).t_us >= START_US + 1_000_000 - LATE_US
+
+
+def test_a_rig_that_nobody_plays_is_forgotten(still_clock: "StillClock") -> None:
+    stop = threading.Event()
+    for start_us in (0, 5):
+        playing = play(take_of(70), loop=False, realtime=True, clock=still_clock, stop=stop, rig="head")
+        assert [frame.t_us for frame in playing] == [START_US + start_us]
+        still_clock.time_us += 5
+        del playing

@@ -1,0 +1,181 @@
+"""REST and WebSocket of one camera: parameters, source, recording, status, events and frames.
+
+All take `?camera=NAME`; without it they are about the first.
+"""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, Query, Request, WebSocket
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from starlette.concurrency import run_in_threadpool
+
+from voltcam_client.formats import SUFFIXES
+from voltcam_client.packet import TOPIC_EVENTS, TOPIC_FRAMES
+from voltcam_simulator import Parameters
+from voltcam_video import SourceRequest
+
+from .access import SourceRules, resolve_under
+from .bodies import body_of, read_model, read_object, refusal, refuses
+from .camera_settings import check_encoding
+from .cameras import CameraAnswer, Cameras, NoCameraError, RunningCamera
+from .problems import UsageError
+from .recorder import RecordingStatus
+from .status import SourceStatus, State, Status
+
+POLICY_VIOLATION = 1008  # WebSocket close code
+SUFFIX_PATTERN = rf"\S({'|'.join(map(re.escape, SUFFIXES))})$"
+
+
+class CameraListAnswer(BaseModel):
+    """A camera of the daemon and how it is."""
+
+    name: str
+    width: int
+    height: int
+    zmq: str
+    state: State
+    reason: str
+
+
+class ParametersAnswer(BaseModel):
+    """parameters_version: that of the packets made with these parameters."""
+
+    parameters: Parameters
+    parameters_version: int
+
+
+class RecordingRequest(BaseModel):
+    """path: below the daemon's folder for recordings; its suffix is the format."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    path: str = Field(min_length=1, max_length=4096, json_schema_extra={"pattern": SUFFIX_PATTERN})
+
+
+def chosen_of(cameras: Cameras) -> Callable[..., Any]:
+    """The dependency that gives a route its camera."""
+
+    async def chosen(
+        camera: Annotated[str | None, Query(max_length=64, description="none: the first")] = None,
+    ) -> RunningCamera:
+        return cameras.get(camera)
+
+    return chosen
+
+
+def camera_routes(cameras: Cameras, rules: SourceRules, recordings: Path) -> APIRouter:
+    """What is asked and changed."""
+    api = APIRouter()
+    chosen = Depends(chosen_of(cameras))
+
+    @api.get("/cameras")
+    async def get_cameras() -> list[CameraListAnswer]:
+        """All cameras of the daemon."""
+        return [_listed(camera) for camera in cameras]
+
+    @api.get("/camera", responses=refuses(404))
+    async def get_camera(camera: RunningCamera = chosen) -> CameraAnswer:
+        return camera.answer
+
+    @api.get("/parameters", responses=refuses(404))
+    async def get_parameters(camera: RunningCamera = chosen) -> ParametersAnswer:
+        return _answer(camera.emulator.simulation.parameters)
+
+    @api.get("/parameters/schema")
+    async def get_parameters_schema() -> dict[str, Any]:
+        return Parameters.model_json_schema()
+
+    @api.patch("/parameters", openapi_extra=body_of(Parameters), responses=refuses(400, 404, 413, 422))
+    async def patch_parameters(request: Request, camera: RunningCamera = chosen) -> ParametersAnswer:
+        """Changes what is named, between two frames and all at once, or nothing."""
+        changes = await read_object(request)
+        simulation = camera.emulator.simulation
+        try:
+            wanted = simulation.parameters[0].changed(changes)
+            await run_in_threadpool(simulation.prepare, wanted)
+            return _answer(simulation.change(changes))
+        except ValidationError as error:
+            raise refusal(error, Parameters) from None
+
+    @api.get("/source", responses=refuses(404))
+    async def get_source(camera: RunningCamera = chosen) -> SourceStatus:
+        return camera.emulator.source
+
+    @api.put("/source", openapi_extra=body_of(SourceRequest), responses=refuses(400, 404, 409, 413, 422))
+    async def put_source(request: Request, camera: RunningCamera = chosen) -> SourceStatus:
+        """Opens the new source; while that fails, the old one goes on."""
+        wanted = await read_model(request, SourceRequest)
+        allowed = rules.allowed(wanted, camera.plan.settings.source.uri)
+        await run_in_threadpool(camera.emulator.look_at, allowed)
+        return camera.emulator.source
+
+    @api.post(
+        "/recording",
+        status_code=201,
+        openapi_extra=body_of(RecordingRequest),
+        responses=refuses(400, 404, 409, 413, 422),
+    )
+    async def post_recording(request: Request, camera: RunningCamera = chosen) -> RecordingStatus:
+        """Records events, and frames where the format holds them, until DELETE. Never overwrites a file."""
+        wanted = await read_model(request, RecordingRequest)
+        path = resolve_under([recordings], wanted.path)
+        return await run_in_threadpool(camera.emulator.record, str(path))
+
+    @api.delete("/recording", responses=refuses(404, 409))
+    async def delete_recording(camera: RunningCamera = chosen) -> RecordingStatus:
+        """Finishes the file."""
+        return await run_in_threadpool(camera.emulator.end_recording)
+
+    @api.get("/status", responses=refuses(404))
+    async def get_status(camera: RunningCamera = chosen) -> Status:
+        return camera.emulator.status
+
+    return api
+
+
+def stream_routes(cameras: Cameras) -> APIRouter:
+    """What is streamed."""
+    streams = APIRouter()
+
+    @streams.websocket("/events")
+    async def events(websocket: WebSocket, camera: str | None = None, encoding: str | None = None) -> None:
+        try:
+            of = cameras.get(camera)
+            plan = of.plan
+            encoding = encoding if encoding is not None else plan.settings.encoding
+            check_encoding(encoding, plan.camera.width, plan.camera.height)
+        except (UsageError, NoCameraError) as problem:
+            await _refuse(websocket, problem)
+        else:
+            await of.websockets.serve(websocket, TOPIC_EVENTS, encoding)
+
+    @streams.websocket("/frames")
+    async def frames(websocket: WebSocket, camera: str | None = None) -> None:
+        try:
+            of = cameras.get(camera)
+        except NoCameraError as problem:
+            await _refuse(websocket, problem)
+        else:
+            await of.websockets.serve(websocket, TOPIC_FRAMES, "")
+
+    return streams
+
+
+async def _refuse(websocket: WebSocket, problem: Exception) -> None:
+    await websocket.accept()
+    await websocket.close(POLICY_VIOLATION, str(problem)[:120])
+
+
+def _answer(current: tuple[Parameters, int]) -> ParametersAnswer:
+    return ParametersAnswer(parameters=current[0], parameters_version=current[1])
+
+
+def _listed(camera: RunningCamera) -> CameraListAnswer:
+    state, reason = camera.emulator.state
+    sensor = camera.plan.camera
+    return CameraListAnswer(
+        name=camera.name, width=sensor.width, height=sensor.height, zmq=camera.zmq, state=state, reason=reason
+    )
