@@ -28,6 +28,12 @@ class OverloadSettings(BaseModel):
         description="between two frames; an interval of more is skipped. An event needs up to 100 bytes of "
         "memory while it is made and sent",
     )
+    longest_work_s: float = Field(
+        default=2.0,
+        ge=0.01,
+        le=3600,
+        description="an interval that takes longer to simulate is given up and skipped",
+    )
 
 
 def coarser(span_us: float, longest_step_us: float, pixels: int) -> float:

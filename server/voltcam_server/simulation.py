@@ -10,7 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from voltcam_simulator import EVENT, Camera, Law, Parameters, Simulator, TooManyEventsError
+from voltcam_simulator import (
+    EVENT,
+    Camera,
+    GivenUpError,
+    Law,
+    Limits,
+    Parameters,
+    Simulator,
+    TooManyEventsError,
+)
 from voltcam_simulator.effect import Effect
 from voltcam_simulator.pixel_array import Pattern
 from voltcam_video import Frame, Image, along_cubic, along_flow, fit, follows
@@ -137,8 +146,9 @@ class Simulation:
             small = Simulator(2, 2, parameters, self._law)
             small.advance(np.zeros((2, 2), np.uint8), 0)
             steps = span_us / parameters.longest_step_us
-            with suppress(TooManyEventsError):
-                small.advance(np.full((2, 2), 255, np.uint8), span_us, max(1.0, steps / 4), PREPARED_EVENTS)
+            with suppress(GivenUpError):
+                limits = Limits(max(1.0, steps / 4), PREPARED_EVENTS)
+                small.advance(np.full((2, 2), 255, np.uint8), span_us, limits)
                 return
 
     def step(self, arrival: Arrival) -> Interval | None:
@@ -169,8 +179,11 @@ class Simulation:
             if why:
                 return self._skip(image, t_us, span_us, arrival, why)
             return self._advance(image, t_us, span_us, arrival)
-        except TooManyEventsError:
-            why = f"more than {self._overload.most_events} events between two frames"
+        except GivenUpError as error:
+            overload = self._overload
+            why = f"more than {overload.most_events} events between two frames"
+            if not isinstance(error, TooManyEventsError):
+                why = f"one interval takes more than {overload.longest_work_s:g} s"
             return self._skip(image, t_us, span_us, arrival, why)
         except ValueError as error:  # grey levels that are none; the simulator has changed nothing
             self.unusable += 1
@@ -190,10 +203,12 @@ class Simulation:
         return self._done(all_events, start_us, frame, arrival)
 
     def _events(self, steps: list[Frame], coarser: float) -> NDArray[np.void]:
-        """The events up to the last of these frames. Raises TooManyEventsError."""
+        """The events up to the last of these frames. Raises GivenUpError."""
         events, left = [], self._overload.most_events
+        until_s = time.monotonic() + self._overload.longest_work_s
         for step in steps:
-            events.append(self._simulator.advance(step.image, step.t_us, coarser, left))
+            limits = Limits(coarser, left, lambda: time.monotonic() > until_s)
+            events.append(self._simulator.advance(step.image, step.t_us, limits))
             left -= len(events[-1])
         return events[0] if len(events) == 1 else np.concatenate(events)
 

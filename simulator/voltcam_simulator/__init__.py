@@ -8,9 +8,21 @@ Pure: arrays in, arrays out; no network, no files but camera files, no clock, no
 """
 
 from .cameras import Camera, camera_names
-from .effect import EVENT, TooManyEventsError
+from .effect import EVENT
+from .limits import GivenUpError, Limits, TooLongError, TooManyEventsError
 from .parameters import Parameters
 from .pixel_array import Law
 from .simulator import Simulator
 
-__all__ = ["EVENT", "Camera", "Law", "Parameters", "Simulator", "TooManyEventsError", "camera_names"]
+__all__ = [
+    "EVENT",
+    "Camera",
+    "GivenUpError",
+    "Law",
+    "Limits",
+    "Parameters",
+    "Simulator",
+    "TooLongError",
+    "TooManyEventsError",
+    "camera_names",
+]

@@ -20,14 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
+from .limits import Limits
 from .random import events_generator, events_key, pattern
 
 EVENT = np.dtype([("t", "<i8"), ("x", "<u2"), ("y", "<u2"), ("p", "?")])
 """One event: t [us], x, y [pixels], p (True = ON). The same as the client's."""
-
-
-class TooManyEventsError(Exception):
-    """An interval has more events than it may have."""
 
 
 Plane = NDArray[np.float32]
@@ -126,7 +123,7 @@ class Readout:
     state: dict[str, State]
     voltage: Plane  # (pixels,) voltages at the end of the interval, which an effect may change
     light: Plane  # (pixels,) what the pixels see then [DN]
-    most_events: int  # that may be there at any stage
+    limits: Limits
 
     @property
     def span_us(self) -> int:
@@ -134,9 +131,9 @@ class Readout:
         return self.end_us - self.start_us
 
     def admit(self, count: float) -> None:
-        """Called before space is taken for so many events of an effect's own. Raises TooManyEventsError."""
-        if count > self.most_events:
-            raise TooManyEventsError
+        """Called before space is taken for so many events of an effect's own. Raises GivenUpError."""
+        self.limits.admit(count)
+        self.limits.hurry()
 
     def generator(self, name: str) -> np.random.Generator:
         """Random numbers for one effect in this interval."""

@@ -1,10 +1,10 @@
 """All pixels of a sensor: their state planes, and one step of all of them, band of rows by band of rows."""
 
 import math
-import sys
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from .crossings import cross
 from .effect import Band, Effect, Plane, Sensor, State, overrides
 from .lazy import gather, take_over
+from .limits import Limits
 from .paper_law import cross_by_paper
 from .parameters import Parameters
 from .random import CROSSINGS, START, interval_key
@@ -53,7 +54,7 @@ class PixelArray:
         self._still = StillRows(width, height, seed, since=self._pending)
         self._bands: list[Rows] = []
         self._steps, self._elapsed_us = 0, 0.0
-        self.most_events = sys.maxsize  # of an interval; more raise TooManyEventsError
+        self.limits = Limits()  # of the interval at hand
 
     def laid_down(self, parameters: Parameters) -> Pattern:
         """The fixed pattern for parameters. Touches nothing: it may be made while steps go on."""
@@ -89,8 +90,12 @@ class PixelArray:
         self._still.allowed = self.law == "exact" and all(effect.steady for effect in self.effects)
         if sensor.refractory_us > 0 and self._held.size == 0:
             self._held = np.zeros_like(self.voltage)
+        self._bands = self._divided()
+
+    def _divided(self) -> list[Rows]:
+        """The bands, over the planes and states as they are now."""
         starts = range(0, self.height, self._band_rows)
-        self._bands = [self._rows(row, self._rooms[i % len(self._rooms)]) for i, row in enumerate(starts)]
+        return [self._rows(row, self._rooms[i % len(self._rooms)]) for i, row in enumerate(starts)]
 
     def _shared(self, theta: Plane) -> tuple[Plane, Plane]:
         """Thresholds (height, width), and flat; if all are the same, as one number, and flat for one band."""
@@ -134,6 +139,44 @@ class PixelArray:
             still.motion[pixels],
         )  # fmt: skip
 
+    def snapshot(self) -> dict[str, NDArray[np.generic]]:
+        """Copies of all that further steps depend on, but for the parameters; rows ahead are brought back."""
+        self._still.wake_all(self._bands)
+        set_us = [self._set_us.get(effect.name, 0.0) for effect in self.effects]
+        return {
+            "voltage": self.voltage.copy(),
+            "pending": self._pending.copy(),
+            "light": self.light.copy(),
+            "response": self._response.copy(),
+            "held": self._held.copy(),
+            "counts": np.array([self._steps, self._still.steps], np.int64),
+            "clocks_us": np.array([self._elapsed_us, self._still.now_us, *set_us]),
+            **{
+                f"state/{effect}/{name}": array.copy()
+                for effect, state in self.state.items()
+                for name, array in state.items()
+            },
+        }
+
+    def restore(self, saved: Mapping[str, NDArray[Any]]) -> None:
+        """Be as when `snapshot` was taken of a sensor of this size, seed, law and parameters."""
+        self._held = np.array(saved["held"], np.float32)
+        for name, plane in (
+            ("voltage", self.voltage),
+            ("pending", self._pending),
+            ("light", self.light),
+            ("response", self._response),
+        ):
+            plane[:] = saved[name]
+        steps, still_steps = saved["counts"].tolist()
+        self._elapsed_us, now_us, *set_us = saved["clocks_us"].tolist()
+        self._steps = steps
+        self._still.restore(still_steps, now_us)
+        self._set_us.update(zip((effect.name for effect in self.effects), set_us, strict=True))
+        for effect, state in self.state.items():
+            state.update({name: np.array(saved[f"state/{effect}/{name}"]) for name in state})
+        self._bands = self._divided()
+
     def settle(self, image: Image, t_us: int) -> None:
         """Show an image as if it had been there for long: light and response of that instant, no events."""
         self._still.wake_all(self._bands)
@@ -171,6 +214,7 @@ class PixelArray:
 
         The step starts offset_us after start_us, from which its events are timed.
         """
+        self.limits.hurry()
         key = interval_key(self.seed, CROSSINGS, self._steps)
 
         def share(room: Room) -> None:
@@ -179,7 +223,7 @@ class PixelArray:
                     self._step(rows, image, key, start_us, offset_us, span_us)
 
         for room in self._rooms:
-            room.most_keys = self.most_events // len(self._rooms)
+            room.most_keys, room.limits = self.limits.most_events // len(self._rooms), self.limits
         others = [self._pool.submit(share, room) for room in self._rooms[1:]]
         try:
             share(self._rooms[0])

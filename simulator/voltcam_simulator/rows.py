@@ -8,13 +8,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .effect import Band, Plane, TooManyEventsError
+from .effect import Band, Plane
 from .kernel import kernel
+from .limits import Limits, TooManyEventsError
 
 Keys = NDArray[np.uint64]
 Image = NDArray[np.uint8] | Plane
 
-FIRST_KEYS = 8192  # space for events before any has come
+FIRST_KEYS, MOST_KEYS_MORE = (
+    8192,
+    1 << 20,
+)  # space for events before any has come, and what it grows by at once
 
 
 class Room:
@@ -26,7 +30,7 @@ class Room:
         self.near = np.empty(pixels + 1, np.int32)
         self._keys = np.empty(FIRST_KEYS, np.uint64)
         self._filled = 0
-        self.most_keys = sys.maxsize  # in one interval; more raise TooManyEventsError
+        self.most_keys, self.limits = sys.maxsize, Limits()  # of one interval
 
     def draw(self, count: int, draw: Callable[[int, Keys], tuple[int, int]]) -> None:
         """Let draw(pixels done, space) -> (pixels done, keys written) go on until count pixels are done."""
@@ -35,13 +39,15 @@ class Room:
             done, written = draw(done, self._keys[self._filled :])
             self._filled += written
             if done < count:
+                self.limits.hurry()
                 self._grow()
 
     def _grow(self) -> None:
         size = self._keys.size
         if size >= self.most_keys:
             raise TooManyEventsError
-        self._keys = np.concatenate([self._keys, np.empty(min(size, self.most_keys - size), np.uint64)])
+        more = min(size, MOST_KEYS_MORE, self.most_keys - size)
+        self._keys = np.concatenate([self._keys, np.empty(more, np.uint64)])
 
     def take_keys(self) -> Keys:
         """The keys drawn since the last call; good until the next draw."""

@@ -1,22 +1,24 @@
 """The simulator: frames one by one in, time-sorted events out, every pixel's voltage kept between them."""
 
 import math
-import sys
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from .cameras import SIDE_LIMIT
-from .effect import EVENT, Events, Readout, TooManyEventsError, overrides
+from .effect import EVENT, Events, Readout, overrides
 from .event_key import TIME_BITS, unpack
 from .event_order import copied, merged
 from .kernel import kernel
+from .limits import GivenUpError, Limits
 from .parameters import Parameters
 from .pixel_array import Law, Pattern, PixelArray
 from .rows import Image
 
+NO_LIMITS = Limits()
 LONGEST_INTERVAL_US = 2**TIME_BITS - 1
 
 
@@ -97,21 +99,15 @@ class Simulator:
         if self._frame is not None:  # the same light gives another voltage now: that is no change of light
             self._pixels.settle(self._frame.ravel(), self._t_us)
 
-    def advance(
-        self, frame: ArrayLike, t_us: int, coarser: float = 1.0, most_events: int = sys.maxsize
-    ) -> Events:
+    def advance(self, frame: ArrayLike, t_us: int, limits: Limits = NO_LIMITS) -> Events:
         """The events between the last frame and this one, sorted by time.
 
         frame: (height, width) grey levels, 0..255 DN unless the parameters say otherwise; any real dtype.
         t_us: its time, int microseconds, later than the last one. The first frame gives no events.
-        coarser: how many times longer than effects ask steps may be, where time is too short for all of them.
-        most_events: that may be there at any stage from the pixels to the user.
         Returns an array of dtype EVENT. Raises ValueError, with nothing changed, for a wrong shape, values
-        that are negative or not finite, a time that does not advance, or steps finer than effects ask; and
-        TooManyEventsError, with the sensor somewhere on the way to the frame: `jump` to a frame to go on.
+        that are negative or not finite, or a time that does not advance; and GivenUpError beyond the limits,
+        with the sensor somewhere on the way to the frame: `jump` to a frame to go on.
         """
-        if not 1 <= coarser < math.inf:
-            raise ValueError(f"steps {coarser} times as long as effects ask are not possible: give 1 or more")
         image = self._checked(frame)
         if self._frame is None:
             self.jump(image, t_us)
@@ -121,12 +117,12 @@ class Simulator:
             raise ValueError(f"the frame at {t_us} us does not come after the last one at {self._t_us} us")
         if span_us > LONGEST_INTERVAL_US:
             raise ValueError(f"{span_us / 3.6e9:.0f} hours between two frames: at most 38 are possible")
-        self._pixels.most_events = most_events
+        self._pixels.limits = limits
         self._pixels.look(self._frame, image, float(span_us))
         try:
-            self._steps(self._frame.ravel(), image.ravel(), span_us, coarser)
+            self._steps(self._frame.ravel(), image.ravel(), span_us, limits.coarser)
             events = self._reported(self._sorted(), t_us)
-        except TooManyEventsError:
+        except GivenUpError:
             self._pixels.abandon()
             raise
         self._frame, self._t_us = image, t_us
@@ -149,6 +145,31 @@ class Simulator:
         former_us = self._complete_us if t_us >= self._t_us and not first else self._stamped(t_us)
         self._read_us, self._complete_us = t_us, max(former_us, self._stamped(t_us))
         self._frame, self._t_us = image, t_us
+
+    def snapshot(self) -> dict[str, NDArray[Any]]:
+        """Copies of all that events to come depend on, but for size, law, seed and parameters.
+
+        A `Simulator` made with these, and given it by `restore`, gives the same events for the same frames.
+        Raises ValueError before the first frame.
+        """
+        if self._frame is None:
+            raise ValueError("there is no state yet: give a frame first")
+        return {
+            **self._pixels.snapshot(),
+            "frame": self._frame.copy(),
+            "times_us": np.array([self._t_us, self._read_us, self._complete_us, self._intervals], np.int64),
+            **{f"waiting/{effect}": events.copy() for effect, events in self._waiting.items()},
+        }
+
+    def restore(self, saved: Mapping[str, NDArray[Any]]) -> None:
+        """Go on as the simulator that a `snapshot` was taken of. Raises KeyError or ValueError for others."""
+        self._pixels.restore(saved)
+        self._frame = self._checked(saved["frame"])
+        self._t_us, self._read_us, self._complete_us, self._intervals = saved["times_us"].tolist()
+        begin = "waiting/"
+        self._waiting = {
+            name.removeprefix(begin): saved[name].astype(EVENT) for name in saved if name.startswith(begin)
+        }
 
     def _steps(self, before: Image, after: Image, span_us: int, coarser: float) -> None:
         """The interval in steps that are short enough for every effect; light goes in a straight line."""
@@ -178,7 +199,7 @@ class Simulator:
         pixels = self._pixels
         readout = Readout(
             pixels.sensor, self._t_us, end_us, self._intervals, pixels.state, pixels.voltage, pixels.light,
-            pixels.most_events,
+            pixels.limits,
         )  # fmt: skip
         for effect in self._reports:
             if effect.active:

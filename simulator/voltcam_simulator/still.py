@@ -24,7 +24,13 @@ class StillRows:
         self.begun = np.zeros(height, np.float32)
         self.due, self.motion = np.zeros(since.size, np.float32), np.zeros((since.size, 2), np.float32)
         self._changed, self._most_quiet = height, 0  # how many rows change in a step, and most of `quiet`
-        self._now_us, self._steps = 0.0, 0  # now_us: since the epoch
+        self.now_us, self.steps = 0.0, 0  # now_us: since the epoch
+
+    def restore(self, steps: int, now_us: float) -> None:
+        """Be as after `wake_all`, so many steps after the beginning."""
+        self.quiet[:], self._changed, self._most_quiet = 0, self.quiet.size, 0
+        self.ahead[:] = False
+        self.steps, self.now_us = steps, now_us
 
     @property
     def nbytes(self) -> int:
@@ -43,10 +49,10 @@ class StillRows:
     def wake(self, rows: Rows) -> None:
         """Bring those rows of a band that are ahead, but change in this step, to its start."""
         if self._changed:
-            key = interval_key(self._seed, BACK, self._steps)
+            key = interval_key(self._seed, BACK, self.steps)
             rows.rows_ahead -= catch_up(
                 rows.quiet, rows.ahead, rows.begun, rows.voltage, rows.pending, rows.due, rows.motion,
-                rows.above, rows.below, key, rows.pixels.start, self._now_us,
+                rows.above, rows.below, key, rows.pixels.start, self.now_us,
             )  # fmt: skip
 
     def wake_all(self, bands: list[Rows]) -> None:
@@ -66,26 +72,26 @@ class StillRows:
     def draw_due(self, rows: Rows, key: np.uint64, span_us: float, offset_us: float) -> None:
         """The events of a band's rows that are ahead, over a step that starts offset_us into its interval."""
         found = rows.room.near
-        count = find_due(rows.ahead, rows.due, np.float32(self._now_us + span_us), found)
+        count = find_due(rows.ahead, rows.due, np.float32(self.now_us + span_us), found)
         rows.room.draw(count, lambda done, keys: draw_due(
             rows.pending, rows.due, rows.motion, rows.above, rows.below, found, done, count,
-            self._now_us, span_us, offset_us, key, rows.pixels.start, self._width, keys,
+            self.now_us, span_us, offset_us, key, rows.pixels.start, self._width, keys,
         ))  # fmt: skip
 
     def draw_ahead(self, rows: Rows, span_us: float) -> None:
         """At the end of a step, draw those rows of a band ahead that have been unchanged for long enough."""
         if self._most_quiet >= PATIENCE:
-            key = interval_key(self._seed, AHEAD, self._steps)
+            key = interval_key(self._seed, AHEAD, self.steps)
             rows.rows_ahead += draw_ahead(
                 rows.quiet, rows.ahead, rows.begun, rows.voltage, rows.pending, rows.due, rows.motion,
                 rows.band.drift, rows.band.noise, span_us, rows.above, rows.below, key, rows.pixels.start,
-                self._now_us + span_us,
+                self.now_us + span_us,
             )  # fmt: skip
 
     def pass_by(self, span_us: float) -> None:
         """A step is over."""
-        self._steps += 1
-        self._now_us += span_us
-        if self._now_us > LONGEST_US:
-            shift_epoch(self.ahead, self.begun, self._since, self.due, np.float32(self._now_us))
-            self._now_us = 0.0
+        self.steps += 1
+        self.now_us += span_us
+        if self.now_us > LONGEST_US:
+            shift_epoch(self.ahead, self.begun, self._since, self.due, np.float32(self.now_us))
+            self.now_us = 0.0

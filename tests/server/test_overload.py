@@ -11,7 +11,7 @@ import pytest
 from voltcam_server.emulator import Emulator
 from voltcam_server.overload import MOST_STEPS, OverloadSettings, coarser
 from voltcam_server.simulation import Simulation
-from voltcam_simulator import Camera, Parameters, Simulator
+from voltcam_simulator import Camera, Limits, Parameters, Simulator
 from voltcam_video import SourceRequest
 
 from .rig import SCENE, arrival, emulating, gap_free, in_order, moving_frames, save_frames, tiny, until
@@ -83,7 +83,7 @@ def test_what_a_fast_machine_was_late_for_is_not_skipped() -> None:
     ):
         assert step is not None
     simulator.advance(images[0], 0)
-    np.testing.assert_array_equal(step.events, simulator.advance(images[4], 40_000, 4))
+    np.testing.assert_array_equal(step.events, simulator.advance(images[4], 40_000, Limits(4)))
     assert simulation.skipped == 0
 
 
@@ -185,3 +185,17 @@ def test_what_is_compiled_beforehand_needs_little() -> None:
     for changes in TOO_MANY:
         simulation.prepare(Parameters().changed(changes))
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 200_000  # KiB
+
+
+def test_an_interval_that_takes_too_long_is_given_up() -> None:
+    """Few events, many steps: bounded by time alone."""
+    overload = OverloadSettings(longest_work_s=0.01)
+    simulation = Simulation(Camera(name="large", width=800, height=600), "exact", 0, overload=overload)
+    simulation.change({"photoreceptor_bandwidth": {"cutoff_hz": 1000}})
+    grey = np.full((600, 800), 50, np.uint8)
+    simulation.step(arrival(grey, 0))
+    began_s = time.monotonic()
+    simulation.step(arrival(grey + 50, 900_000))
+    assert time.monotonic() - began_s < 5
+    assert simulation.skipped == 1
+    assert "takes more than 0.01 s" in simulation.load.trouble

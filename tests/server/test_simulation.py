@@ -7,7 +7,7 @@ from pydantic import ValidationError
 from voltcam_server.camera_settings import Upsample
 from voltcam_server.overload import OverloadSettings
 from voltcam_server.simulation import PATIENCE_FRAMES, Simulation
-from voltcam_simulator import Parameters, Simulator
+from voltcam_simulator import Limits, Parameters, Simulator
 from voltcam_video import Frame, between
 
 from .rig import arrival, moving_frames, tiny
@@ -76,7 +76,7 @@ def test_an_interval_with_a_dropped_frame_has_the_steps_of_one_without() -> None
         simulator.advance(image, 0)
         interval = simulation.step(arrival(image, 20_000, missed=missed))
         assert interval is not None
-        np.testing.assert_array_equal(interval.events, simulator.advance(image, 20_000, 1 + missed))
+        np.testing.assert_array_equal(interval.events, simulator.advance(image, 20_000, Limits(1 + missed)))
         seen.append(interval.events)
     assert not np.array_equal(*seen)
 

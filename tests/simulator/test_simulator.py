@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy import stats
 
-from voltcam_simulator import EVENT, Law, Parameters, Simulator
+from voltcam_simulator import EVENT, Law, Limits, Parameters, Simulator
 
 from .scenes import Events, intervals_us, only, still, watch_still
 
@@ -268,7 +268,7 @@ def test_steps_finer_than_effects_ask_are_refused_and_change_nothing(coarser: fl
     for s in (simulator, twin):
         s.advance(still(200, 4, 5), 0)
     with pytest.raises(ValueError, match="give 1 or more"):
-        simulator.advance(still(100, 4, 5), 1000, coarser)
+        simulator.advance(still(100, 4, 5), 1000, Limits(coarser))
     after = [s.advance(still(100, 4, 5), 2000).tobytes() for s in (simulator, twin)]
     assert len(after[0]) > 0
     assert after[0] == after[1]
@@ -310,3 +310,38 @@ def test_a_jump_forward_stamps_nothing_before_what_has_left() -> None:
     assert simulator.complete_us >= before["t"][-1]
     assert after.size > 0
     assert after["t"][0] >= before["t"][-1]
+
+
+@pytest.mark.parametrize("camera", ["davis346", "paper", "ideal", "noisy"])
+@pytest.mark.parametrize("law", ["exact", "paper"])
+def test_a_snapshot_goes_on_as_its_simulator_does(camera: str, law: Law) -> None:
+    """Bit for bit, with still rows drawn ahead, dead times, queues of the readout and events on their way."""
+    parameters = Parameters.of(camera).changed(
+        {"latency": {"delay_us": 4000, "jitter_us": 500}, "temperature_drift": {"rate_c_per_s": 1}}
+    )
+    frames = scene_frames(30, 24, 40)
+    one = Simulator(40, 24, parameters, law, seed=3)
+    for i in range(20):
+        one.advance(frames[i // 2], 5000 * i)  # every other interval without a change
+    saved = one.snapshot()
+    other = Simulator(40, 24, parameters, law, seed=3)
+    other.restore(saved)
+    count = 0
+    for i in range(20, 30):
+        went_on, restored = one.advance(frames[i], 5000 * i), other.advance(frames[i], 5000 * i)
+        np.testing.assert_array_equal(went_on, restored)
+        count += len(went_on)
+    assert count > 100
+
+
+def test_there_is_no_snapshot_before_a_frame() -> None:
+    with pytest.raises(ValueError, match="give a frame first"):
+        Simulator(4, 4).snapshot()
+
+
+def scene_frames(count: int, height: int, width: int) -> NDArray[np.uint8]:
+    """Bars that move to the right; the lower half stands still."""
+    x, i = np.arange(width), np.arange(count)[:, None, None]
+    bars = np.where((x + 2 * i) % 16 < 8, 40, 200) + np.zeros((1, height, 1))
+    bars[:, height // 2 :] = 90
+    return bars.astype(np.uint8)
