@@ -28,6 +28,7 @@ from voltcam_client.record import Progress, record, size_bytes
 
 SUMMARIES = {
     "serve": "run the camera: live video in, events out",
+    "replay": "play a recording as a live camera, or verify how it was made",
     "convert": "turn a video, images or a recording into an event file",
     "calibrate": "find a camera's parameters from a recording of it",
     "diagnose": "find, name and add what a camera file lacks to explain a recording",

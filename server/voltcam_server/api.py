@@ -51,6 +51,7 @@ class Access:
     rules: SourceRules
     tokens: Tokens
     recordings: Path = Path()
+    least_free_bytes: int = 0
     hosts: Sequence[str] = ()
     secure: bool = False
 
@@ -67,7 +68,7 @@ def create_app(cameras: Cameras, access: Access, reload: Callable[[], ReloadAnsw
     # The guard looks at the token; this says in OpenAPI that one is needed.
     token = [Depends(HTTPBearer(auto_error=False))] if access.tokens else []
     for routes in (
-        camera_routes(cameras, access.rules, access.recordings),
+        camera_routes(cameras, access.rules, access.recordings, access.least_free_bytes),
         diagnosis_routes(cameras, access.rules),
         _settings(reload),
     ):

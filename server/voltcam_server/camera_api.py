@@ -22,7 +22,7 @@ from .bodies import body_of, read_model, read_object, refusal, refuses
 from .camera_settings import check_encoding
 from .cameras import CameraAnswer, Cameras, NoCameraError, RunningCamera
 from .problems import UsageError
-from .recorder import RecordingStatus
+from .recorder import RecordingPlan, RecordingStatus
 from .status import SourceStatus, State, Status
 
 POLICY_VIOLATION = 1008  # WebSocket close code
@@ -48,11 +48,14 @@ class ParametersAnswer(BaseModel):
 
 
 class RecordingRequest(BaseModel):
-    """path: below the daemon's folder for recordings; its suffix is the format."""
+    """path: below the daemon's folder for recordings; its suffix is the format. rotate_bytes, rotate_s: a
+    file that has so much is ended, and NAME-002, NAME-003 and so on go on."""
 
     model_config = ConfigDict(extra="forbid")
 
     path: str = Field(min_length=1, max_length=4096, json_schema_extra={"pattern": SUFFIX_PATTERN})
+    rotate_bytes: int | None = Field(default=None, ge=1_000_000)
+    rotate_s: float | None = Field(default=None, ge=1)
 
 
 def chosen_of(cameras: Cameras) -> Callable[..., Any]:
@@ -66,7 +69,7 @@ def chosen_of(cameras: Cameras) -> Callable[..., Any]:
     return chosen
 
 
-def camera_routes(cameras: Cameras, rules: SourceRules, recordings: Path) -> APIRouter:
+def camera_routes(cameras: Cameras, rules: SourceRules, recordings: Path, least_free_bytes: int) -> APIRouter:
     """What is asked and changed."""
     api = APIRouter()
     chosen = Depends(chosen_of(cameras))
@@ -122,7 +125,8 @@ def camera_routes(cameras: Cameras, rules: SourceRules, recordings: Path) -> API
         """Records events, and frames where the format holds them, until DELETE. Never overwrites a file."""
         wanted = await read_model(request, RecordingRequest)
         path = resolve_under([recordings], wanted.path)
-        return await run_in_threadpool(camera.emulator.record, str(path))
+        plan = RecordingPlan(path, wanted.rotate_bytes, wanted.rotate_s, least_free_bytes)
+        return await run_in_threadpool(camera.emulator.record, plan)
 
     @api.delete("/recording", responses=refuses(404, 409))
     async def delete_recording(camera: RunningCamera = chosen) -> RecordingStatus:

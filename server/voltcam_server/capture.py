@@ -10,6 +10,7 @@ from voltcam_video import Clock, Granted, SourceError, SourceRequest, SourceStat
 
 from .mailbox import Arrival, Mailbox
 from .problems import one_line
+from .replay_source import open_any
 
 OPEN_S = 30.0  # a stream may take a while, a hanging one for ever
 LEAVE_S = 2.0
@@ -37,6 +38,7 @@ class Capture:
         self._on_state = on_state
         self._stop, self._go, self._decided = threading.Event(), threading.Event(), threading.Event()
         self._opened = False
+        self.position_us: int | None = None  # in a recording
         self._thread = threading.Thread(target=self._run, name="voltcam-capture", daemon=True)
 
     def start(self) -> None:
@@ -65,9 +67,11 @@ class Capture:
 
     def _run(self) -> None:
         try:
-            for frame in watch(self.request, self._stop, self._set_state, self.state.granted, self._clock):
+            given = self.state.granted, self._clock, open_any
+            for frame in watch(self.request, self._stop, self._set_state, *given):
                 at_s = time.monotonic()
                 first = not self._opened
+                self.position_us = frame.position_us
                 self._opened = True
                 self._decided.set()
                 self._go.wait()

@@ -137,9 +137,14 @@ def _add_fit(parser: Any) -> None:
 
 
 def _serve(args: argparse.Namespace) -> int:
+    return run_daemon(_given(args), args.config, args.record)
+
+
+def run_daemon(given: dict[str, Any], config: Path | None, record: str | None) -> int:
+    """The daemon with what the command line says, in the config file's layout; returns the exit status."""
     from .daemon import serve as run
 
-    read = partial(load, _given(args), args.config)
+    read = partial(load, given, config)
     settings = read()
     begin_log(settings.log)
     for name, each in settings.each().items():
@@ -152,7 +157,7 @@ def _serve(args: argparse.Namespace) -> int:
             print(f"  events  {zmq}  ({whose}to see them: voltcam listen {zmq})")
         print("  Ctrl-C ends it", flush=True)
 
-    run(settings, args.record, banner, read)
+    run(settings, record, banner, read)
     return 0
 
 

@@ -6,6 +6,7 @@ import os
 import socket
 import sys
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import uvicorn
 from fastapi import FastAPI
@@ -18,6 +19,7 @@ from .access.reach import check_reach, host_of
 from .api import Access, create_app
 from .cameras import Cameras, RunningCamera, Surroundings, plans_of
 from .problems import UsageError, where
+from .recorder import RecordingPlan
 from .reload import Reload
 from .service import tell_systemd
 from .settings import Settings
@@ -75,7 +77,9 @@ def serve(
             cameras.replace([*cameras, RunningCamera.of(plan, around)])
         cameras.start()
         if record:
-            cameras.get().emulator.record(record)
+            cameras.get().emulator.record(
+                RecordingPlan(Path(record), least_free_bytes=settings.least_free_bytes)
+            )
         on_ready(page, {camera.name: camera.zmq for camera in cameras})
         tell_systemd("READY=1")
         server.run(sockets=[listener])
@@ -90,6 +94,7 @@ def _access(settings: Settings) -> Access:
         SourceRules(settings.access),
         tokens,
         settings.recordings,
+        settings.least_free_bytes,
         [*settings.access.hosts, host_of(settings.http)],
         secure=settings.access.tls_certificate is not None,
     )

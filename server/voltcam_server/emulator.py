@@ -17,20 +17,21 @@ from voltcam_video import Clock, Granted, SourceError, SourceRequest
 
 from .camera_settings import PacketSettings, Upsample
 from .capture import Capture
+from .interval import Interval
 from .mailbox import Mailbox
 from .messages import Message, events_message, frame_message, status_message
 from .overload import OverloadSettings
 from .pacer import Pacer, Slice
 from .problems import UsageError
-from .recorder import Recorder, RecordingStatus
-from .simulation import Interval, Simulation
+from .recorder import Recorder, RecordingPlan, RecordingStatus
+from .simulation import Simulation
 from .stages import stage_histogram
 from .status import FrameCounts, Latency, Meter, SourceStatus, State, Status, Waiting
 from .transports import Transport
 
 STATUS_PERIOD_S = 1.0
 END_S, CLOSE_S = 1.5, 1.5  # for threads, and for a recording, when the daemon ends
-STALLED_S = 2.0  # so long without an interval's end is more than any overload takes
+STALLED_S = 5.0  # so long without an interval's end is more than any overload takes
 
 
 class Emulator:
@@ -135,6 +136,7 @@ class Emulator:
             message=state.message or self.simulation.fault,
             granted=dict(state.granted) if state.granted else None,
             fps=self._arrived.status.per_s,
+            position_s=None if self._capture.position_us is None else self._capture.position_us / 1e6,
         )
 
     def look_at(self, request: SourceRequest) -> None:
@@ -187,7 +189,7 @@ class Emulator:
             capture.start()
             capture.go()
 
-    def record(self, path: str) -> RecordingStatus:
+    def record(self, plan: RecordingPlan) -> RecordingStatus:
         """Begin a recording. Raises FormatError, RecordingError, or UsageError when there is one already."""
         with self._control:
             self._check_running()
@@ -197,7 +199,7 @@ class Emulator:
             if former:
                 former.close()
                 self._recording_errors += former.status.error is not None
-            self._recorder = Recorder(path, self.camera.width, self.camera.height)
+            self._recorder = Recorder(plan, self.simulation.origin)
             return self._recorder.status
 
     def end_recording(self) -> RecordingStatus:
@@ -270,11 +272,16 @@ class Emulator:
         while (arrival := self._mailbox.take()) is not None:
             began_s = time.monotonic()
             self._busy = arrival.at_s, began_s
+            recorder = self._recorder
+            if recorder:
+                recorder.look(self.simulation, self._capture.request.shown)
             interval = self.simulation.step(arrival)
             self._busy = None
             self.stages.labels("waiting").observe(began_s - arrival.at_s)
             self.stages.labels("simulating").observe(time.monotonic() - began_s)
             if interval is not None:
+                if recorder:
+                    recorder.put(interval)
                 self._pacer.put(interval)
 
     def _send_events(self, interval: Interval, piece: Slice) -> None:
@@ -307,9 +314,6 @@ class Emulator:
         self._publish(frame_message(frame))
         self.stages.labels("leaving").observe(time.monotonic() - interval.ready_s)
         self._frame_seq += 1
-        recorder = self._recorder
-        if recorder:
-            recorder.put(interval)
         self._latency = Latency(
             simulated_ms=round(1000 * (interval.ready_s - interval.arrived_s), 3),
             sent_ms=round(1000 * (time.monotonic() - interval.arrived_s), 3),

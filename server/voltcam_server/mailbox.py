@@ -23,6 +23,11 @@ class Arrival:
     paced: bool
     missed: int = 0
 
+    @property
+    def patient(self) -> bool:
+        """Whether it waits where there is no room, and is never dropped: so do recorded events."""
+        return not self.paced or self.frame.events is not None
+
 
 SLOTS = 2  # a machine that is late for less than two frames drops none; and frames in a row make an interval
 
@@ -30,7 +35,7 @@ SLOTS = 2  # a machine that is late for less than two frames drops none; and fra
 class Mailbox:
     """The newest two frames: the older of those that were not taken is dropped for a new one, and counted.
 
-    Who puts a frame that is not paced waits instead until the former one is taken, and nothing is dropped.
+    Who puts a patient frame waits instead until the former one is taken, and nothing is dropped.
     """
 
     def __init__(self) -> None:
@@ -43,7 +48,7 @@ class Mailbox:
     def put(self, arrival: Arrival, stop: threading.Event) -> None:
         """Leave a frame; does nothing once `stop` is set, which is followed by `wake`."""
         with self._changed:
-            while not arrival.paced and self._waiting and not stop.is_set() and not self._closed:
+            while arrival.patient and self._waiting and not stop.is_set() and not self._closed:
                 self._changed.wait()
             if stop.is_set() or self._closed:
                 return

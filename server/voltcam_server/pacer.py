@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .camera_settings import PacketSettings
-from .simulation import Interval
+from .interval import Interval
 
 BURST_PACKET_US = 1_000_000  # some encodings hold a few seconds only
 CATCH_UP = 0.01  # of an interval: how fast a delay that is no longer needed is taken back

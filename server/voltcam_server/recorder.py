@@ -1,58 +1,108 @@
-"""A recording on the daemon's side: all events and frames from now on, into one file."""
+"""A recording on the daemon's side: events and frames from now on, in one file or several, with manifests."""
 
-import contextlib
-import queue
 import threading
+import time
+from collections import deque
+from dataclasses import dataclass
 from pathlib import Path
 
 from pydantic import BaseModel
 
-from voltcam_client.formats import RecordingError, open_writer
+from voltcam_client.formats import RecordingError, check_writable
 
-from .simulation import Interval
+from .interval import Interval, Origin, Start
+from .part import Part
+from .problems import one_line
+from .simulation import Simulation
 
-QUEUE_INTERVALS = 64
+QUEUE_BYTES = 256 * 2**20
+DISK_S = 1.0  # how often the space that is left is looked at
+
+
+@dataclass(frozen=True)
+class RecordingPlan:
+    """What is to be recorded. path: of the first file; the next ones are NAME-002.npz and so on.
+
+    rotate_bytes, rotate_s: a file that has so much is ended, and the next begun; none: there is one file.
+    least_free_bytes: the recording ends before the disk has less.
+    """
+
+    path: Path
+    rotate_bytes: int | None = None
+    rotate_s: float | None = None
+    least_free_bytes: int = 0
 
 
 class RecordingStatus(BaseModel):
-    """error: why it ended before it was told to; what was written until then is kept."""
+    """Of all its files. path: of the newest. error: why it ended before it was told to; what was written
+    until then is kept. lost_intervals: that came while the disk was too slow; each file is without gaps."""
 
     path: str
     recording: bool
+    files: int
     events: int
     frames: int
+    lost_intervals: int
     error: str | None
 
 
 class Recorder:
-    """Writes in a thread of its own. A recording has no gaps: when the disk is slow, `put` waits, and the
-    camera drops frames instead.
+    """Writes in a thread of its own, beside the stream: nobody ever waits for the disk.
 
-    Raises FormatError or RecordingError when the file cannot be made.
+    What waits is bounded: where the disk is too slow for too long, the file ends, intervals are lost and
+    counted until the queue is empty, and the next file begins. Raises FormatError or RecordingError when the
+    first file cannot be made.
     """
 
-    def __init__(self, path: str, width: int, height: int) -> None:
-        self._writer = open_writer(Path(path), width=width, height=height)
-        self._frames = 0
+    def __init__(self, plan: RecordingPlan, origin: Origin) -> None:
+        check_writable(plan.path, overwrite=False)
+        self._plan, self._origin = plan, origin
+        self._part = Part(plan.path, origin)
+        self._ended: list[Part] = []
+        self._queue: deque[tuple[Start | None, Interval]] = deque()
+        self._bytes, self._lost = 0, 0
+        self._start: Start | None = None
+        self._begin_wanted, self._closing = True, False
+        self._looked_s = 0.0
         self._error: str | None = None
-        self._queue: queue.Queue[Interval | None] = queue.Queue(QUEUE_INTERVALS)
+        self._changed = threading.Condition()
         self._thread = threading.Thread(target=self._run, name="voltcam-recorder", daemon=True)
         self._thread.start()
 
+    def look(self, simulation: Simulation, source: str) -> None:
+        """Called before each interval is made: keep the state where a file is to begin with it."""
+        if self._begin_wanted and self._start is None:
+            self._start = simulation.start_of(source)
+
     def put(self, interval: Interval) -> None:
-        self._queue.put(interval)
+        """Leave an interval; never waits."""
+        size = interval.events.nbytes + interval.image.nbytes
+        with self._changed:
+            if self._closing or self._error is not None:
+                return
+            start, self._start = self._start, None
+            if self._bytes + size > QUEUE_BYTES or (self._begin_wanted and start is None):
+                self._lost += 1
+                self._begin_wanted = True
+                return
+            if start is not None:
+                self._begin_wanted = False
+            self._queue.append((start, interval))
+            self._bytes += size
+            self._changed.notify_all()
 
     def close(self, limit_s: float | None = None) -> None:
-        """Write what waits, and finish the file. What takes longer than `limit_s` is left to its thread: the
+        """Write what waits, and finish the files. What takes longer than `limit_s` is left to its thread: the
         file can be read as it is then, as after a crash."""
-        with contextlib.suppress(queue.Full):
-            self._queue.put(None, timeout=limit_s)
+        with self._changed:
+            self._closing = True
+            self._changed.notify_all()
         self._thread.join(limit_s)
 
     @property
     def waiting(self) -> int:
         """How many intervals are still to be written."""
-        return self._queue.qsize()
+        return len(self._queue)
 
     @property
     def busy(self) -> bool:
@@ -61,27 +111,65 @@ class Recorder:
 
     @property
     def status(self) -> RecordingStatus:
+        parts = [*self._ended, self._part]
         return RecordingStatus(
-            path=str(self._writer.path),
+            path=str(self._part.path),
             recording=self._error is None and self._thread.is_alive(),
-            events=self._writer.event_count,
-            frames=self._frames,
+            files=len(parts),
+            events=sum(part.events for part in parts),
+            frames=sum(part.frames for part in parts),
+            lost_intervals=self._lost,
             error=self._error,
         )
 
     def _run(self) -> None:
-        while (interval := self._queue.get()) is not None:
-            if self._error is None:
-                self._write(interval)
-        try:
-            self._writer.close()
-        except RecordingError as error:
-            self._error = str(error)
+        while self._error is None and (item := self._next()) is not None:
+            try:
+                self._write(*item)
+            except (OSError, ValueError) as error:
+                self._error = one_line(error)
+        why = self._error or "it was ended"
+        for part in [*self._ended, self._part]:
+            try:
+                part.end(why)
+                part.wait()
+            except (OSError, RecordingError) as error:
+                self._error = self._error or one_line(error)
 
-    def _write(self, interval: Interval) -> None:
-        try:
-            self._writer.events(interval.events)
-            self._writer.frame(interval.image_u8, interval.frame_us)
-            self._frames += self._writer.holds_frames
-        except (RecordingError, ValueError) as error:
-            self._error = str(error)
+    def _next(self) -> tuple[Start | None, Interval] | None:
+        with self._changed:
+            while not self._queue and not self._closing:
+                self._changed.wait()
+            if not self._queue:
+                return None
+            item = self._queue.popleft()
+            self._bytes -= item[1].events.nbytes + item[1].image.nbytes
+            return item
+
+    def _write(self, start: Start | None, interval: Interval) -> None:
+        """Raises RecordingError, ValueError or OSError."""
+        if start is not None and self._part.begun:
+            self._part.end("the next file goes on")
+            self._ended.append(self._part)
+            self._part = Part(self._path_of(len(self._ended) + 1), self._origin)
+        self._part.write(start, interval)
+        if self._full(self._part):
+            self._begin_wanted = True
+        if time.monotonic() - self._looked_s > DISK_S:
+            self._looked_s = time.monotonic()
+            free_bytes = self._part.free_bytes
+            if free_bytes < self._plan.least_free_bytes:
+                least = self._plan.least_free_bytes / 1e6
+                raise RecordingError(
+                    f"{self._part.path}: ended with {max(0, free_bytes) / 1e6:.0f} MB left on the disk: "
+                    f"least_free_bytes keeps {least:.0f} MB"
+                )
+
+    def _full(self, part: Part) -> bool:
+        plan = self._plan
+        large = plan.rotate_bytes is not None and part.size_bytes >= plan.rotate_bytes
+        return large or (plan.rotate_s is not None and part.span_s >= plan.rotate_s)
+
+    def _path_of(self, number: int) -> Path:
+        path = self._plan.path
+        return path.with_name(f"{path.stem}-{number:03}{path.suffix}")

@@ -61,6 +61,9 @@ class Settings(CameraSettings, BaseSettings):
         default_factory=AccessSettings, description="who may use the daemon, and what they may name"
     )
     recordings: Path = Field(default=Path(), description="folder of the recordings that are begun over REST")
+    least_free_bytes: int = Field(
+        default=500_000_000, ge=0, description="a recording ends before its disk has less"
+    )
     log: LogSettings = Field(default_factory=LogSettings, description="lines on standard error")
     http: str = Field(
         default="127.0.0.1:8560",

@@ -4,7 +4,6 @@ import threading
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -25,6 +24,7 @@ from voltcam_simulator.pixel_array import Pattern
 from voltcam_video import Frame, Image, along_cubic, along_flow, fit, follows
 
 from .camera_settings import Upsample
+from .interval import How, Interval, Origin, Start
 from .mailbox import Arrival
 from .overload import Load, OverloadSettings, coarser
 from .problems import one_line
@@ -39,31 +39,6 @@ PREPARED_US, PREPARED_EVENTS = (10_000, 10, 1), 10_000
 def _kind(effect: Effect) -> tuple[str, ...]:
     """What decides which kernels an effect needs: its name and those of its ways."""
     return effect.name, *(value for value in effect.model_dump().values() if isinstance(value, str))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Interval:
-    """The time between two frames: its events, sorted by t, and the frame (height, width) at its end.
-
-    start_us, end_us: it has all events stamped from start_us to end_us; that is before the frames where an
-    effect stamps events earlier than they were. frame_us: the frame's time. arrived_s: when that frame came,
-    ready_s: when its events were known, `time.monotonic()`. paced: as of an Arrival.
-    """
-
-    events: NDArray[np.void]
-    start_us: int
-    end_us: int
-    frame_us: int
-    image: Image
-    parameters_version: int
-    arrived_s: float
-    ready_s: float
-    paced: bool
-
-    @property
-    def image_u8(self) -> NDArray[np.uint8]:
-        """The frame as a viewer wants it."""
-        return np.clip(np.rint(self.image), 0, 255).astype(np.uint8)
 
 
 class Simulation:
@@ -158,6 +133,22 @@ class Simulation:
         current, self._next = self._next, arrival
         return None if current is None else self._step(current)
 
+    @property
+    def origin(self) -> Origin:
+        """What it makes all its intervals with."""
+        return Origin(self.camera, self._law, self._simulator.seed, self._upsample)
+
+    def start_of(self, source: str) -> Start:
+        """The sensor before the next interval. For the thread that calls `step`."""
+        self._take_parameters()
+        return Start(
+            {} if self._last_us is None else self._simulator.snapshot(),
+            follows=self._former is not None,
+            parameters=self._simulator.parameters,
+            parameters_version=self._version,
+            source=source,
+        )
+
     def _step(self, arrival: Arrival) -> Interval | None:
         t_us = arrival.frame.t_us + self._shift_us
         span_us = 0 if self._last_us is None else t_us - self._last_us
@@ -171,6 +162,8 @@ class Simulation:
         image = fit(arrival.frame.image, self.camera.width, self.camera.height, arrival.fit)
         self._take_parameters()
         try:
+            if arrival.frame.events is not None:
+                return self._replay(image, arrival.frame.events, t_us, cut, arrival)
             if cut:
                 return self._cut(image, arrival)
             if arrival.missed:
@@ -184,23 +177,37 @@ class Simulation:
             why = f"more than {overload.most_events} events between two frames"
             if not isinstance(error, TooManyEventsError):
                 why = f"one interval takes more than {overload.longest_work_s:g} s"
-            return self._skip(image, t_us, span_us, arrival, why)
+            return self._skip(image, t_us, span_us, arrival, why, "given up")
         except ValueError as error:  # grey levels that are none; the simulator has changed nothing
             self.unusable += 1
             self.fault = one_line(error)
             return None
+
+    def _replay(
+        self, image: Image, events: NDArray[np.void], t_us: int, cut: bool, arrival: Arrival
+    ) -> Interval:
+        """An interval of a recording, as it is. Raises ValueError for one of another camera."""
+        if arrival.frame.image.shape != (self.camera.height, self.camera.width):
+            height, width = arrival.frame.image.shape
+            raise ValueError(f"a recording of {width} x {height} pixels needs a camera of that size")
+        start_us = t_us if cut or self._last_us is None else self._last_us
+        if len(events):
+            start_us = min(start_us, int(events["t"][0]))
+        self.simulated += 1
+        return self._done(events, start_us, Frame(image, t_us), arrival, "replayed")
 
     def _advance(self, image: Image, t_us: int, span_us: int, arrival: Arrival) -> Interval:
         frame = Frame(image, t_us)
         steps = [*self._in_between(frame), frame]
         start_us, began_s = self._simulator.complete_us, time.monotonic()
         try:
-            all_events = self._events(steps, self._coarser(span_us, arrival.missed))
+            coarser = self._coarser(span_us, arrival.missed)
+            all_events = self._events(steps, coarser)
         finally:
             self.load.worked(time.monotonic() - began_s, span_us)
         self._period_us = span_us // (1 + arrival.missed)
         self.simulated += 1
-        return self._done(all_events, start_us, frame, arrival)
+        return self._done(all_events, start_us, frame, arrival, "advanced", coarser)
 
     def _events(self, steps: list[Frame], coarser: float) -> NDArray[np.void]:
         """The events up to the last of these frames. Raises GivenUpError."""
@@ -254,29 +261,42 @@ class Simulation:
         self._shift_us = shift_us
         return self._jump(image, t_us, arrival)
 
-    def _skip(self, image: Image, t_us: int, span_us: int, arrival: Arrival, why: str) -> Interval:
+    def _skip(
+        self, image: Image, t_us: int, span_us: int, arrival: Arrival, why: str, how: How = "jumped"
+    ) -> Interval:
         """Go on from a frame without the events up to it, which are too many, or of too long a time."""
         self.load.skipped(why)
         self.skipped += 1
         self.skipped_us += span_us
-        return self._jump(image, t_us, arrival)
+        return self._jump(image, t_us, arrival, how)
 
-    def _jump(self, image: Image, t_us: int, arrival: Arrival) -> Interval:
+    def _jump(self, image: Image, t_us: int, arrival: Arrival, how: How = "jumped") -> Interval:
         self._simulator.jump(image, t_us)
         self._former = None
-        return self._done(np.empty(0, EVENT), self._simulator.complete_us, Frame(image, t_us), arrival)
+        return self._done(np.empty(0, EVENT), self._simulator.complete_us, Frame(image, t_us), arrival, how)
 
-    def _done(self, events: NDArray[np.void], start_us: int, frame: Frame, arrival: Arrival) -> Interval:
+    def _done(
+        self,
+        events: NDArray[np.void],
+        start_us: int,
+        frame: Frame,
+        arrival: Arrival,
+        how: How,
+        coarser: float = 1.0,
+    ) -> Interval:
         self._last_us = frame.t_us
         self._before, self._former = self._former, frame
         self._stuck = 0
         return Interval(
             events,
             start_us,
-            self._simulator.complete_us,
+            frame.t_us if how == "replayed" else self._simulator.complete_us,
             frame.t_us,
             frame.image,
+            self._simulator.parameters,
             self._version,
+            how,
+            coarser,
             arrival.at_s,
             time.monotonic(),
             arrival.paced,

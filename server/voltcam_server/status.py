@@ -14,7 +14,7 @@ from .transports import TransportStatus
 class SourceStatus(BaseModel):
     """The source: what was asked for (a stream's password left out), what it turned out to be, how it is.
 
-    fps: frames that came over the last second.
+    fps: frames that came over the last second. position_s: in a recording, after its first frame.
     """
 
     uri: str
@@ -23,6 +23,7 @@ class SourceStatus(BaseModel):
     message: str
     granted: dict[str, Any] | None
     fps: float
+    position_s: float | None
 
 
 class FrameCounts(BaseModel):

@@ -18,6 +18,8 @@ class Frame:
 
     image: (H, W) uint8, or float32 in 0..255 where the source is finer than 8 bits.
     t_us: int microseconds; since the epoch for live sources and real-time pacing, else the source's own.
+    events: of a recording that is replayed, those up to this frame; nothing is simulated then.
+    position_us: of a recording, the time since its first frame.
     cut: the scene did not evolve continuously from the former frame: the first frame after a
         reconnection, and the first of every further round of a looped recording.
     """
@@ -25,6 +27,8 @@ class Frame:
     image: Image
     t_us: int
     cut: bool = False
+    events: NDArray[np.void] | None = None
+    position_us: int | None = None
 
 
 def luminance(image: NDArray[Any]) -> Image:

@@ -20,7 +20,7 @@ class SourceRequest(BaseModel):
         default="scene",
         min_length=1,
         description="scene (built in), a camera (0 or /dev/video0), a video file, a folder with images.txt, "
-        "an .npz, or a stream (rtsp://, http://, udp://...)",
+        "an .npz, a stream (rtsp://, http://, udp://...), or replay:FILE, the events of a recording",
     )
     width: int | None = Field(
         default=None, ge=1, le=16384, description="pixels, asked of a camera or the scene; none: as it comes"
@@ -43,6 +43,9 @@ class SourceRequest(BaseModel):
         "wall clock; fast delivers at once, with the recording's own times",
     )
     loop: bool = Field(default=False, description="start a recording again at its end, time running on")
+    start_s: float = Field(
+        default=0, ge=0, le=1e9, description="begin a recording so many seconds after its first frame"
+    )
     rig: str | None = Field(
         default=None,
         min_length=1,

@@ -9,8 +9,9 @@ from typing import Literal
 from voltcam_video.clock import Clock
 from voltcam_video.frame import Frame
 from voltcam_video.request import SourceRequest
-from voltcam_video.sources import Granted, SourceError, open_source
+from voltcam_video.sources import Granted, Source, SourceError, open_source
 
+Opener = Callable[[SourceRequest, Clock, threading.Event], Source]
 FIRST_DELAY_S, LONGEST_DELAY_S = 0.5, 10.0
 POLL_S = 0.05
 LEAVE_S = 0.15
@@ -32,6 +33,7 @@ def watch(
     on_state: Callable[[SourceState], None],
     granted: Granted | None = None,
     clock: Clock | None = None,
+    open_with: Opener | None = None,
 ) -> Iterator[Frame]:
     """Opens the source and yields its frames until it ends or `stop` is set, which takes effect within 0.2 s.
 
@@ -46,7 +48,7 @@ def watch(
     on_state(SourceState("opening"))
     while not stop.is_set():
         clock.renew()
-        reader = _Reader(request, clock)
+        reader = _Reader(request, clock, open_with or open_source)
         try:
             for frame in reader.frames(stop):
                 if attempts or not ran:
@@ -74,12 +76,12 @@ class _Reader:
     It is one frame ahead at most: a slow consumer slows it down, no frame is lost here.
     """
 
-    def __init__(self, request: SourceRequest, clock: Clock) -> None:
+    def __init__(self, request: SourceRequest, clock: Clock, open_with: Opener) -> None:
         self.granted: Granted | None = None
         self._items: queue.Queue[Frame | Exception | None] = queue.Queue(maxsize=1)
         self._left = threading.Event()
         self._thread = threading.Thread(
-            target=self._run, args=(request, clock), name="voltcam-source", daemon=True
+            target=self._run, args=(request, clock, open_with), name="voltcam-source", daemon=True
         )
         self._thread.start()
 
@@ -101,9 +103,9 @@ class _Reader:
         self._left.set()
         self._thread.join(LEAVE_S)
 
-    def _run(self, request: SourceRequest, clock: Clock) -> None:
+    def _run(self, request: SourceRequest, clock: Clock, open_with: Opener) -> None:
         try:
-            with open_source(request, clock, self._left) as source:
+            with open_with(request, clock, self._left) as source:
                 self.granted = source.granted
                 for frame in source:
                     self._put(frame)

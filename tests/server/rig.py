@@ -222,9 +222,15 @@ def voltcam_path() -> str:
 class Daemon:
     """`voltcam serve` on free ports, ready when made; a context manager that ends it by SIGTERM."""
 
-    def __init__(self, *arguments: str, ready: bool = True, own_zmq: bool = False) -> None:
-        command = [voltcam_path(), "serve", "--http", "127.0.0.1:0", *arguments]
-        command += [] if own_zmq else ["--zmq", "tcp://127.0.0.1:0"]
+    def __init__(
+        self,
+        *arguments: str,
+        ready: bool = True,
+        own_zmq: bool = False,
+        command: tuple[str, ...] = ("serve",),
+    ) -> None:
+        command = (voltcam_path(), *command, "--http", "127.0.0.1:0", *arguments)
+        command += () if own_zmq else ("--zmq", "tcp://127.0.0.1:0")
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.banner = ""
         assert self.process.stdout is not None

@@ -114,6 +114,7 @@ class OnlyCamera:
         on_state: Callable[[SourceState], None],
         granted: Granted | None = None,
         clock: Clock | None = None,
+        open_with: object = None,
     ) -> Iterator[Frame]:
         self.open_count += 1
         try:
@@ -151,6 +152,7 @@ class UnpluggedCamera(OnlyCamera):
         on_state: Callable[[SourceState], None],
         granted: Granted | None = None,
         clock: Clock | None = None,
+        open_with: object = None,
     ) -> Iterator[Frame]:
         if granted is not None:
             on_state(SourceState("reconnecting", "/dev/video0: unplugged", granted, 1))

@@ -9,6 +9,7 @@ import pytest
 from voltcam_server.camera_settings import PacketSettings
 from voltcam_server.emulator import Emulator
 from voltcam_server.problems import UsageError
+from voltcam_server.recorder import RecordingPlan
 from voltcam_simulator import Simulator
 from voltcam_video import SourceRequest
 
@@ -172,5 +173,5 @@ def test_what_has_ended_begins_nothing(tmp_path: Path) -> None:
         with pytest.raises(UsageError, match="the daemon is ending"):
             emulator.look_at(SCENE)
         with pytest.raises(UsageError, match="the daemon is ending"):
-            emulator.record(str(tmp_path / "late.npz"))
+            emulator.record(RecordingPlan(tmp_path / "late.npz"))
     assert not list(tmp_path.iterdir())

@@ -50,7 +50,13 @@ def test_a_recording_that_fails_is_a_line(caplog: pytest.LogCaptureFixture) -> N
         until(lambda: emulator.status.state == "running", "it runs")
         status = emulator.status
     recording = RecordingStatus(
-        path="a.npz", recording=False, events=5, frames=1, error="a.npz: No space left"
+        path="a.npz",
+        recording=False,
+        files=1,
+        events=5,
+        frames=1,
+        lost_intervals=0,
+        error="a.npz: No space left",
     )
     log = StatusLog(LogSettings())
     with caplog.at_level("INFO", "voltcam"):

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from voltcam_client.packet import EVENT
 from voltcam_server.camera_settings import PacketSettings
+from voltcam_server.interval import Interval
 from voltcam_server.pacer import BURST_PACKET_US, Pacer, PlayOut, Slice, slices
-from voltcam_server.simulation import Interval
+from voltcam_simulator import Parameters
 
 from .rig import PATIENCE_S
 
@@ -25,7 +26,20 @@ def interval_of(t: NDArray[np.int64], start_us: int, end_us: int, paced: bool = 
     events = np.zeros(t.size, EVENT)
     events["t"] = t
     events["x"] = np.arange(t.size)  # to tell them apart
-    return Interval(events, start_us, end_us, end_us, IMAGE, 0, 0.0, time.monotonic(), paced)
+    return Interval(
+        events,
+        start_us,
+        end_us,
+        end_us,
+        IMAGE,
+        Parameters(),
+        0,
+        "advanced",
+        1.0,
+        0.0,
+        time.monotonic(),
+        paced,
+    )
 
 
 @st.composite

@@ -1,16 +1,22 @@
 """Recordings of what is sent."""
 
 import errno
+import threading
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from voltcam_client.formats import FormatError, RecordingError, read
+from voltcam_server import recorder as recorder_module
+from voltcam_server.part import Part
 from voltcam_server.problems import UsageError
-from voltcam_server.recorder import QUEUE_INTERVALS
+from voltcam_server.recorder import RecordingPlan
+from voltcam_server.verify import verify
 
 from .rig import (
+    PATIENCE_S,
     SCENE,
     emulating,
     until,
@@ -21,17 +27,17 @@ def test_a_recording_holds_what_was_sent(tmp_path: Path) -> None:
     path = tmp_path / "out.npz"
     with emulating(SCENE) as (emulator, listener):
         listener.wait(lambda it: it.frames)
-        assert emulator.record(str(path)).recording
+        assert emulator.record(RecordingPlan(path)).recording
         with pytest.raises(UsageError, match="end that recording first"):
-            emulator.record(str(tmp_path / "other.npz"))
+            emulator.record(RecordingPlan(tmp_path / "other.npz"))
         count = len(listener.frames)
         listener.wait(lambda it: len(it.frames) >= count + 10)
         done = emulator.end_recording()
         assert (done.recording, done.error) == (False, None)
         with pytest.raises(RecordingError, match="exists already"):
-            emulator.record(str(path))
+            emulator.record(RecordingPlan(path))
         with pytest.raises(FormatError, match="suffix"):
-            emulator.record(str(tmp_path / "out.mp3"))
+            emulator.record(RecordingPlan(tmp_path / "out.mp3"))
         listener.wait(lambda it: len(it.frames) >= count + 20)
     recording = read(path)
     assert recording.frames is not None
@@ -53,7 +59,7 @@ def test_a_full_disk_ends_the_recording_and_nothing_else(
     path = tmp_path / "out.txt"
     with emulating(SCENE) as (emulator, listener):
         listener.wait(lambda it: it.frames)
-        emulator.record(str(path))
+        emulator.record(RecordingPlan(path))
         recorder = emulator._recorder
         assert recorder is not None
         until(lambda: recorder.status.events > 100, "events are recorded")
@@ -61,7 +67,7 @@ def test_a_full_disk_ends_the_recording_and_nothing_else(
         def full(*_: object) -> None:
             raise OSError(errno.ENOSPC, "No space left on device")
 
-        monkeypatch.setattr(type(recorder._writer), "_append", full)
+        monkeypatch.setattr(type(recorder._part._writer), "_append", full)
         until(lambda: not recorder.status.recording, "the recording ends")
         status = emulator.status.recording
         assert status is not None
@@ -69,9 +75,11 @@ def test_a_full_disk_ends_the_recording_and_nothing_else(
         assert "No space left" in status.error
         assert "\n" not in status.error
         with pytest.raises(RecordingError, match="exists already"):
-            emulator.record(str(path))  # the stream goes on without a recorder: more frames than one holds
+            emulator.record(
+                RecordingPlan(path)
+            )  # the stream goes on without a recorder: more frames than one holds
         count = len(listener.frames)
-        listener.wait(lambda it: len(it.frames) >= count + QUEUE_INTERVALS + 5)
+        listener.wait(lambda it: len(it.frames) >= count + 100)
         with pytest.raises(UsageError, match="nothing is being recorded"):
             emulator.end_recording()
     assert read(path).events.size == status.events > 100
@@ -80,7 +88,76 @@ def test_a_full_disk_ends_the_recording_and_nothing_else(
 def test_ending_the_daemon_finishes_the_recording(tmp_path: Path) -> None:
     path = tmp_path / "out.npz"
     with emulating(SCENE) as (emulator, listener):
-        emulator.record(str(path))
+        emulator.record(RecordingPlan(path))
         count = len(listener.frames)
         listener.wait(lambda it: len(it.frames) > count + 10)
     assert read(path).events.size > 0
+
+
+def test_a_slow_disk_never_holds_the_stream(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What does not fit into the queue is lost and counted; no file has a gap, and each can be made again."""
+    monkeypatch.setattr(recorder_module, "QUEUE_BYTES", 20_000)
+    go = threading.Event()
+    write = Part.write
+
+    def slow(part: Part, *what: Any) -> None:
+        assert go.wait(PATIENCE_S)
+        write(part, *what)
+
+    monkeypatch.setattr(Part, "write", slow)
+    with emulating(SCENE) as (emulator, listener):
+        listener.wait(lambda it: it.frames)
+        emulator.record(RecordingPlan(tmp_path / "out.npz"))
+        count = len(listener.frames)
+        listener.wait(lambda it: len(it.frames) > count + 150)
+        assert emulator.status.frames.dropped == 0
+        status = emulator.status.recording
+        assert status is not None
+        assert status.lost_intervals > 50
+        go.set()
+        until(lambda: emulator.status.recording.files == 2, "the next file has begun")  # type: ignore[union-attr]
+        count = len(listener.frames)
+        listener.wait(lambda it: len(it.frames) > count + 20)
+        done = emulator.end_recording()
+        count = len(listener.frames)
+        listener.wait(lambda it: len(it.frames) > count + 5)
+        sent = [frame.t_us for frame in listener.frames]
+    assert done.error is None
+    for name in ("out.npz", "out-002.npz"):
+        frame_t_us = read(tmp_path / name).frame_t_us
+        assert frame_t_us is not None
+        first = sent.index(frame_t_us[0])
+        assert sent[first : first + len(frame_t_us)] == frame_t_us.tolist()
+        assert verify(tmp_path / name).difference == ""
+
+
+def test_files_are_rotated_by_time_and_by_size(tmp_path: Path) -> None:
+    with emulating(SCENE) as (emulator, listener):
+        listener.wait(lambda it: it.frames)
+        for name, plan in (
+            ("time", RecordingPlan(tmp_path / "time.npz", rotate_s=0.3)),
+            ("size", RecordingPlan(tmp_path / "size.npz", rotate_bytes=20_000)),
+        ):
+            emulator.record(plan)
+            until(lambda: emulator.status.recording.files >= 3, name)  # type: ignore[union-attr]
+            done = emulator.end_recording()
+            assert (done.error, done.lost_intervals) == (None, 0)
+            files = [tmp_path / f"{name}.npz", *sorted(tmp_path.glob(f"{name}-*.npz"))]
+            assert files[1].name == f"{name}-002.npz"
+            recordings = [read(file) for file in files if "state" not in file.name]
+            assert sum(each.events.size for each in recordings) == done.events
+            times = np.concatenate([each.frame_t_us for each in recordings if each.frame_t_us is not None])
+            count = len(listener.frames)
+            listener.wait(lambda it, count=count: len(it.frames) > count + 5)
+            sent = [frame.t_us for frame in listener.frames]
+            assert sent[sent.index(times[0]) : sent.index(times[-1]) + 1] == times.tolist()
+
+
+def test_a_recording_ends_before_the_disk_is_full(tmp_path: Path) -> None:
+    with emulating(SCENE) as (emulator, listener):
+        listener.wait(lambda it: it.frames)
+        emulator.record(RecordingPlan(tmp_path / "out.npz", least_free_bytes=10**18))
+        until(lambda: emulator.status.recording.error, "it ends")  # type: ignore[union-attr]
+        assert "least_free_bytes keeps" in str(emulator.status.recording)
+        assert emulator.status.recording_errors == 1
+    assert read(tmp_path / "out.npz").frames is not None

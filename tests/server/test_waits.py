@@ -16,6 +16,7 @@ from voltcam_client.formats import read
 from voltcam_server import capture
 from voltcam_server.child import Child
 from voltcam_server.problems import UsageError
+from voltcam_server.recorder import RecordingPlan
 from voltcam_video import SourceError, SourceRequest
 
 from .rig import SCENE, Daemon, emulating, moving_frames, save_frames, tiny, until
@@ -57,7 +58,7 @@ def test_while_a_source_is_opened_everything_else_can_be_done(
             for _ in range(45):
                 with pytest.raises(UsageError, match="being opened"):
                     emulator.look_at(request)
-            emulator.record(str(tmp_path / "a.npz"))
+            emulator.record(RecordingPlan(tmp_path / "a.npz"))
             count = len(listener.frames)
             listener.wait(lambda it: len(it.frames) > count + 5)
             emulator.end_recording()
@@ -75,13 +76,13 @@ def test_a_daemon_in_a_stall_ends_within_seconds_and_its_recording_is_whole(tmp_
         code, _errors, took_s = daemon.end()
     assert code == 0
     assert took_s < 8  # five seconds on a machine that has nothing else to do
-    (recording,) = [path for path in tmp_path.iterdir() if path.name.startswith("walk")]
+    (recording,) = [path for path in tmp_path.iterdir() if path.name in ("walk.npz", "walk.npz.partial")]
     assert read(recording).events.size > 0
 
 
 def _stalled_daemon(folder: Path) -> Daemon:
     config = folder / "voltcam.yaml"
-    config.write_text(f"{{overload: {{most_events: 300000000}}, recordings: {folder}}}")
+    config.write_text(f"{{overload: {{most_events: 300000000, longest_work_s: 3600}}, recordings: {folder}}}")
     daemon = Daemon("--config", str(config), "--camera", "paper")
     daemon.http.post("recording", json={"path": "walk.npz"}).raise_for_status()
     until(lambda: daemon.get("status")["recording"]["events"] > 1000, "something is recorded")

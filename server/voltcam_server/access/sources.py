@@ -7,6 +7,7 @@ from urllib.parse import urlsplit
 
 from voltcam_video import SourceRequest
 
+from ..replay_source import SCHEME
 from .paths import AccessError, resolve_under
 from .settings import AccessSettings
 
@@ -28,6 +29,8 @@ class SourceRules:
         if request.device is not None:
             self._check(request.device, self._settings.source_devices, "source_devices")
             return request
+        if uri.startswith(SCHEME):
+            return request.model_copy(update={"uri": f"{SCHEME}{self.path(uri.removeprefix(SCHEME))}"})
         if "://" in uri or urlsplit_scheme(uri):
             self._check(uri, self._settings.source_urls, "source_urls")
             return request

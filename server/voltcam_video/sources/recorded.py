@@ -22,6 +22,7 @@ def play(
     clock: Clock,
     stop: threading.Event,
     rig: str | None = None,
+    start_us: int = 0,
 ) -> Generator[Frame, None, None]:
     """The frames of `take()`, strictly increasing in t_us, on one time line; `loop` takes it again and again,
     a last interval's time after its end.
@@ -29,7 +30,8 @@ def play(
     realtime: each at its due time, the first at once, stamped with the wall clock. A machine too slow for
     that plays slower rather than later and later: once LATE_US behind, the rest of the time line moves.
     rig: the name of a time line that others play on too. Who comes to it later begins where they are; who
-    falls behind leaves frames out, as a camera would.
+    falls behind leaves frames out, as a camera would. start_us: the first turn begins so long after the first
+    frame.
     """
     line = clock.line(rig)
     turn = line.turn
@@ -39,7 +41,11 @@ def play(
     behind_us: int | None = None  # how late the first of the frames that are being left out was
     while True:
         former_us: int | None = None
+        first_us: int | None = None
         for frame in take():
+            first_us = frame.t_us if first_us is None else first_us
+            if due_us is None and frame.t_us < first_us + start_us:
+                continue
             if former_us is not None:
                 period_us = frame.t_us - former_us
             elif due_us is not None:
@@ -58,11 +64,21 @@ def play(
                 behind_us = None
                 if not clock.wait_until(due_us, stop):
                     return
-            yield Frame(frame.image, due_us, cut)
+            yield _moved(frame, due_us, cut, first_us)
             cut = False
-        if not loop or former_us is None:
+        if not loop or first_us is None or (former_us is None and not start_us):
             return
+        start_us = 0
         turn, cut = turn + 1, True
+
+
+def _moved(frame: Frame, t_us: int, cut: bool, first_us: int) -> Frame:
+    """The frame at its time on the time line, its events with it."""
+    events = frame.events
+    if events is not None and t_us != frame.t_us:
+        events = events.copy()
+        events["t"] += t_us - frame.t_us
+    return Frame(frame.image, t_us, cut, events, frame.t_us - first_us)
 
 
 class RecordedSource(Source):
@@ -79,6 +95,7 @@ class RecordedSource(Source):
             clock=clock,
             stop=stop,
             rig=request.rig,
+            start_us=round(1e6 * request.start_s),
         )
 
     @abstractmethod

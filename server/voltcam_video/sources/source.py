@@ -22,7 +22,7 @@ class Granted(TypedDict):
     the frame; recording: the recording's own.
     """
 
-    kind: Literal["device", "file", "images", "npz", "recording", "network", "scene"]
+    kind: Literal["device", "file", "images", "npz", "recording", "network", "replay", "scene"]
     live: bool
     width: int
     height: int
