@@ -73,7 +73,7 @@ class Simulation:
         self._prepared: set[tuple[str, ...]] = set()  # what has been compiled
         self.prepare(camera.parameters)
         self._simulator = Simulator(camera.width, camera.height, camera.parameters, law, seed)
-        self._upsample = upsample
+        self._upsample: Upsample = upsample
         self._next: Arrival | None = None  # with "cubic": what comes after the frame at hand
         self._before: Frame | None = None  # the last two frames, as simulated
         self._former: Frame | None = None
