@@ -8,17 +8,17 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Query, Request, WebSocket
+from fastapi import APIRouter, Depends, Query, Request, Response, WebSocket
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from starlette.concurrency import run_in_threadpool
 
 from voltcam_client.formats import SUFFIXES
 from voltcam_client.packet import TOPIC_EVENTS, TOPIC_FRAMES
-from voltcam_simulator import Parameters
+from voltcam_simulator import Parameters, camera_names
 from voltcam_video import SourceRequest
 
 from .access import SourceRules, resolve_under
-from .bodies import body_of, read_model, read_object, refusal, refuses
+from .bodies import body_of, camera_body, read_camera, read_model, read_object, refusal, refuses
 from .camera_settings import check_encoding
 from .cameras import CameraAnswer, Cameras, NoCameraError, RunningCamera
 from .problems import UsageError
@@ -26,6 +26,9 @@ from .recorder import RecordingPlan, RecordingStatus
 from .status import SourceStatus, State, Status
 
 POLICY_VIOLATION = 1008  # WebSocket close code
+YAML: dict[int | str, dict[str, Any]] = {
+    200: {"content": {"application/yaml": {"schema": {"type": "object"}}}}
+}
 SUFFIX_PATTERN = rf"\S({'|'.join(map(re.escape, SUFFIXES))})$"
 
 
@@ -102,6 +105,25 @@ def camera_routes(cameras: Cameras, rules: SourceRules, recordings: Path, least_
             return _answer(simulation.change(changes))
         except ValidationError as error:
             raise refusal(error, Parameters) from None
+
+    @api.get("/parameters/file", response_class=Response, responses={**YAML, **refuses(404)})
+    async def get_parameters_file(camera: RunningCamera = chosen) -> Response:
+        """The camera with the parameters that hold now, as a camera file."""
+        now = camera.plan.camera.model_copy(update={"parameters": camera.emulator.simulation.parameters[0]})
+        return Response(now.to_yaml(), media_type="application/yaml")
+
+    @api.put("/parameters/file", openapi_extra=camera_body(), responses=refuses(400, 404, 413, 422))
+    async def put_parameters_file(request: Request, camera: RunningCamera = chosen) -> ParametersAnswer:
+        """Takes all parameters of a camera file; the sensor keeps its size."""
+        wanted = await read_camera(request)
+        simulation = camera.emulator.simulation
+        await run_in_threadpool(simulation.prepare, wanted.parameters)
+        return _answer(simulation.change(wanted.parameters.model_dump()))
+
+    @api.get("/presets")
+    async def get_presets() -> dict[str, Parameters]:
+        """The parameters of the cameras that have names."""
+        return {name: Parameters.of(name) for name in camera_names()}
 
     @api.get("/source", responses=refuses(404))
     async def get_source(camera: RunningCamera = chosen) -> SourceStatus:

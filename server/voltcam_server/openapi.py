@@ -25,7 +25,7 @@ def _with_parts(document: dict[str, Any]) -> dict[str, Any]:
     for path in document["paths"].values():
         for operation in path.values():
             body = operation.get("requestBody")
-            if body:
-                schema = body["content"]["application/json"]["schema"]
+            for content in body["content"].values() if body else ():
+                schema = content["schema"]
                 parts.update({PART + name: part for name, part in schema.pop("$defs", {}).items()})
     return document

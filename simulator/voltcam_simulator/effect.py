@@ -14,11 +14,11 @@ calls, in registry order, only those that an active effect overrides.
 
 import re
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from .limits import Limits
 from .random import events_generator, events_key, pattern
@@ -30,6 +30,7 @@ EVENT = np.dtype([("t", "<i8"), ("x", "<u2"), ("y", "<u2"), ("p", "?")])
 Plane = NDArray[np.float32]
 Events = NDArray[np.void]
 State = dict[str, NDArray[Any]]
+About = Literal["light", "pixel", "noise", "readout"]
 
 
 def quantity(
@@ -144,12 +145,32 @@ class Readout:
         return events_key(self.sensor.seed, name, self.interval)
 
 
+def no_truth(value: Any) -> Any:
+    """YAML and JSON have true and false, which would pass for 1 and 0."""
+    if isinstance(value, bool):
+        raise ValueError("give a number")
+    return value
+
+
+def _describe_effect(schema: dict[str, Any], effect: type["Effect"]) -> None:
+    """For the page: what it is about, and whether its defaults leave it off."""
+    schema["about"] = effect.about
+    schema["off_by_default"] = not effect().active
+
+
 class Effect(BaseModel):
     """Base of all effects; `name` is the class name in snake case, the key in files, REST and diagnosis."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", allow_inf_nan=False, json_schema_extra=_describe_effect
+    )
+
+    _numbers = field_validator("*", mode="before")(no_truth)
 
     name: ClassVar[str]
+    about: ClassVar[About]
+    """What people look for it under."""
+
     signature: ClassVar[str]
     """How it shows in the events: the line a person looks for in a recording."""
 

@@ -4,9 +4,9 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field, create_model
+from pydantic import BaseModel, ConfigDict, Field, create_model, field_validator
 
-from .effect import Effect, quantity
+from .effect import Effect, no_truth, quantity
 from .effects import EFFECTS
 
 
@@ -14,6 +14,8 @@ class ParameterSet(BaseModel):
     """What is common to any set of effects; use `Parameters`, which has a field for each registered one."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    _numbers = field_validator("temperature_c", mode="before")(no_truth)
 
     temperature_c: float = quantity(
         25.0, unit="C", ge=-40, le=125, meaning="temperature of the sensor die", source="room temperature"

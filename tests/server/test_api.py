@@ -27,6 +27,7 @@ from voltcam_server.camera_settings import check_encoding
 from voltcam_server.emulator import Emulator
 from voltcam_server.problems import UsageError
 from voltcam_server.transports import WebSocketTransport
+from voltcam_simulator import camera_names
 
 from .rig import PATIENCE_S, SCENE, Listener, app_of, emulating, running, tiny, web_server
 
@@ -95,6 +96,8 @@ def test_parameters_change_and_say_from_when_on(api: Api) -> None:
         ),
         ('{"shutter": {"speed": 1}}', 422, "shutter: there is no such key, only temperature_c"),
         ('{"temperature_c": "warm"}', 422, "temperature_c: give a number"),
+        ('{"temperature_c": true}', 422, "temperature_c: give a number"),
+        ('{"leak_noise": {"k6": false}}', 422, "leak_noise.k6: give a number"),
         ('{"temperature_c": null}', 422, "temperature_c: give a number"),
         ('{"comparator": 3}', 422, "comparator: it has several parts"),
         ('{"temperature_c": 1e999}', 422, "temperature_c: Input should be a finite number"),
@@ -154,6 +157,29 @@ def test_a_recording_begins_ends_and_overwrites_nothing(api: Api, tmp_path: Path
     )
     assert "path: " in api.refused(422, "POST", "recording", json={"path": ""})
     assert api.http.get("status").json()["recording"] is None
+
+
+def test_a_camera_file_is_saved_and_loaded(api: Api) -> None:
+    api.http.patch("parameters", json={"temperature_c": 44}).raise_for_status()
+    saved = api.http.get("parameters/file")
+    assert saved.headers["content-type"].startswith("application/yaml")
+    api.http.patch("parameters", json={"temperature_c": 20, "leak_noise": {"k6": 1e-6}}).raise_for_status()
+    loaded = api.http.put("parameters/file", content=saved.content).raise_for_status().json()
+    assert loaded["parameters"]["temperature_c"] == 44
+    assert api.http.get("parameters").json() == loaded
+    assert "no such key" in api.refused(422, "PUT", "parameters/file", content="shutter: 1")
+    assert "not readable" in api.refused(400, "PUT", "parameters/file", content="a: [")
+    assert "must be a camera file" in api.refused(400, "PUT", "parameters/file", content="- 1")
+    assert "has no height" in api.refused(422, "PUT", "parameters/file", content="width: 64")
+    assert "longer than" in api.refused(413, "PUT", "parameters/file", content="#" * 70_000)
+    assert api.http.get("parameters").json() == loaded
+
+
+def test_presets_can_be_set(api: Api) -> None:
+    presets = api.http.get("presets").json()
+    assert presets.keys() == set(camera_names())
+    assert api.http.patch("parameters", json=presets["noisy"]).json()["parameters"] == presets["noisy"]
+    api.http.patch("parameters", json=tiny().parameters.model_dump()).raise_for_status()
 
 
 def test_health_and_metrics(api: Api) -> None:
@@ -225,7 +251,9 @@ def test_openapi_describes_the_bodies(api: Api) -> None:
         "/cameras",
         "/reload",
         "/parameters",
+        "/parameters/file",
         "/parameters/schema",
+        "/presets",
         "/source",
         "/recording",
         "/diagnosis",

@@ -5,7 +5,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..effect import Band, Effect, quantity
+from ..effect import About, Band, Effect, quantity
 
 NS_PER_US = 1000
 _MEASURED = "measured on a DAVIS346 recording (street, static camera, 25 frames/s, exposure 500 us)"
@@ -20,6 +20,7 @@ class ApsCoupling(Effect):
     nanoseconds from the time line's zero, so every kick comes once, however time is cut.
     """
 
+    about: ClassVar[About] = "readout"
     signature: ClassVar[str] = (
         "events crowd in the frame's phase: with the exposure, and in scans that move with the row"
     )

@@ -2,7 +2,7 @@
 
 from typing import ClassVar
 
-from ..effect import Effect, Sensor, quantity
+from ..effect import About, Effect, Sensor, quantity
 
 _SOURCE = "DVS-Voltmeter (ECCV 2022): both thresholds are the unit of the k's"
 
@@ -10,6 +10,7 @@ _SOURCE = "DVS-Voltmeter (ECCV 2022): both thresholds are the unit of the k's"
 class Comparator(Effect):
     """ON at +theta_on, OFF at -theta_off, in units of the nominal threshold."""
 
+    about: ClassVar[About] = "pixel"
     signature: ClassVar[str] = "events for each change of contrast; unequal thresholds shift the ON/OFF ratio"
     steady: ClassVar[bool] = True
 

@@ -5,7 +5,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from ..effect import Band, Effect, quantity
+from ..effect import About, Band, Effect, quantity
 from ..kernel import kernel
 from ..logarithm import add_logarithm
 
@@ -17,6 +17,7 @@ class ContrastResponse(Effect):
     DAVIS346, where the linearisation of Eq. 10 gives 1.73 k1 in one frame.
     """
 
+    about: ClassVar[About] = "pixel"
     signature: ClassVar[str] = "events at moving edges, in proportion to the change of log brightness"
     steady: ClassVar[bool] = True
 

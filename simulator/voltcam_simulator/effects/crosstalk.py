@@ -4,7 +4,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..effect import Effect, Events, Readout, Sensor, State, quantity
+from ..effect import About, Effect, Events, Readout, Sensor, State, quantity
 from ..event_order import copied
 from ..kernel import kernel
 
@@ -21,6 +21,7 @@ class Crosstalk(Effect):
     would fall into the dead time of one set off here are left out.
     """
 
+    about: ClassVar[About] = "pixel"
     signature: ClassVar[str] = "at rest, neighbours fire together more often than by chance"
 
     coupling: float = quantity(

@@ -4,7 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..effect import Band, Effect, quantity
+from ..effect import About, Band, Effect, quantity
 from .junction_leak import REFERENCE_C
 
 
@@ -14,6 +14,7 @@ class DarkCurrent(Effect):
     It comes on top of k2, which is fixed: the dark current of the camera when k2 was fitted is in there.
     """
 
+    about: ClassVar[About] = "pixel"
     signature: ClassVar[str] = (
         "less contrast in the dark, the more so the warmer: fewer events from dim edges"
     )

@@ -4,12 +4,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..effect import Effect, Sensor, quantity
+from ..effect import About, Effect, Sensor, quantity
 
 
 class DeadPixels(Effect):
     """A fixed share of the pixels has thresholds out of reach."""
 
+    about: ClassVar[About] = "pixel"
     signature: ClassVar[str] = "pixels without any event where their neighbours have many"
     steady: ClassVar[bool] = True
 

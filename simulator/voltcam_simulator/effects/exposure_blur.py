@@ -5,7 +5,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..effect import Band, Effect, Sensor, State, quantity
+from ..effect import About, Band, Effect, Sensor, State, quantity
 
 SHORTEST_US = 1.0  # times are whole microseconds: a shorter mean is that of no time
 KNOTS = 32
@@ -21,6 +21,7 @@ class ExposureBlur(Effect):
     slope, times are wrong by at most q/2 of the exposure or q/10 of the step, whichever is less.
     """
 
+    about: ClassVar[About] = "light"
     signature: ClassVar[str] = (
         "fast edges spread over the exposure: fewer, later events there, none elsewhere"
     )

@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..effect import Band, Effect, quantity
+from ..effect import About, Band, Effect, quantity
 
 STEPS_PER_PERIOD = 16
 """A straight line over a step misses the sine by at most (pi/16)^2/2, that is 2 %, of its amplitude."""
@@ -15,6 +15,7 @@ class Flicker(Effect):
     """Light times 1 + depth sin(2 pi (frequency_hz t + phase_turns)), t from the time line's zero: no jump
     at any frame."""
 
+    about: ClassVar[About] = "light"
     signature: ClassVar[str] = (
         "a line in the spectrum of event times at the lamp's frequency, ON and OFF half a period apart"
     )

@@ -4,7 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..effect import Effect, Events, Readout, Sensor, quantity
+from ..effect import About, Effect, Events, Readout, Sensor, quantity
 from ..event_order import events_at, merged
 
 FASTEST_HZ = 1e6  # a pixel fires once in a microsecond at most: stamps are no finer
@@ -15,6 +15,7 @@ class HotPixels(Effect):
     makes a pixel hot is a leaking reset switch. Raising `fraction` adds pixels, those before stay.
     """
 
+    about: ClassVar[About] = "noise"
     signature: ClassVar[str] = "the same few pixels top the list of rates, in the dark and without motion too"
     steady: ClassVar[bool] = True
 

@@ -4,7 +4,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..effect import Band, Effect, quantity
+from ..effect import About, Band, Effect, quantity
 from ..exponential import exponential
 from ..kernel import kernel
 from ..logarithm import add_logarithm
@@ -15,6 +15,7 @@ _WHITE = 255.0
 class InputResponse(Effect):
     """Light 255 ((F - black)/(255 - black))^gamma of a grey level F; below black it is 0."""
 
+    about: ClassVar[About] = "light"
     signature: ClassVar[str] = "the same video makes more events where it is dark: contrast grows by gamma"
     steady: ClassVar[bool] = True
 

@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..effect import Band, Effect, quantity
+from ..effect import About, Band, Effect, quantity
 
 BOLTZMANN_EV_PER_K = 8.617333262e-5
 ZERO_C_IN_K = 273.15
@@ -22,6 +22,7 @@ def arrhenius(temperature_c: float, activation_energy_ev: float) -> float:
 class JunctionLeak(Effect):
     """Drift k4, scaled by Arrhenius' law with the camera's temperature."""
 
+    about: ClassVar[About] = "pixel"
     signature: ClassVar[str] = "ON events at rest, at a rate that is the same at all brightnesses"
     steady: ClassVar[bool] = True
 

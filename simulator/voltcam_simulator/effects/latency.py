@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..effect import Effect, Events, Readout, Sensor, State, quantity
+from ..effect import About, Effect, Events, Readout, Sensor, State, quantity
 from ..event_order import in_time_order
 from ..kernel import kernel
 from ..random import normal
@@ -20,6 +20,7 @@ class Latency(Effect):
     camera whose events' clock runs ahead of its frames'. Events wait until no earlier one can come.
     """
 
+    about: ClassVar[About] = "readout"
     signature: ClassVar[str] = "the lag behind the light shifts and spreads, the same at any brightness"
     steady: ClassVar[bool] = True
 

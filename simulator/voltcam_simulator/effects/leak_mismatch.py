@@ -4,12 +4,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..effect import Effect, Sensor, quantity
+from ..effect import About, Effect, Sensor, quantity
 
 
 class LeakMismatch(Effect):
     """Junction leak times exp(sigma xi - sigma^2/2), xi normal and fixed: log-normal, of mean 1."""
 
+    about: ClassVar[About] = "pixel"
     signature: ClassVar[str] = "the same pixels always give more ON events at rest than others"
     steady: ClassVar[bool] = True
 

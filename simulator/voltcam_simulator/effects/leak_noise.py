@@ -4,12 +4,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..effect import Band, Effect, quantity
+from ..effect import About, Band, Effect, quantity
 
 
 class LeakNoise(Effect):
     """Noise k6, of the leak current and the circuit."""
 
+    about: ClassVar[About] = "noise"
     signature: ClassVar[str] = "spread of the intervals between leak events"
     steady: ClassVar[bool] = True
 

@@ -4,7 +4,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..effect import Band, Effect, quantity
+from ..effect import About, Band, Effect, quantity
 from ..kernel import kernel
 
 
@@ -19,6 +19,7 @@ class LowLightShotNoise(Effect):
     second and sigma^2 = 8.6e-6/us, from ON - OFF = mu and (ON - OFF)/(ON + OFF) = tanh(mu/sigma^2).)
     """
 
+    about: ClassVar[About] = "noise"
     signature: ClassVar[str] = "ON and OFF events of single pixels in the dark, at rest"
     steady: ClassVar[bool] = True
 

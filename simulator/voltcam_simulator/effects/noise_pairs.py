@@ -4,7 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..effect import Effect, Events, Readout, quantity
+from ..effect import About, Effect, Events, Readout, quantity
 from ..event_order import events_at, merged
 
 
@@ -18,6 +18,7 @@ class NoisePairs(Effect):
     L is taken at the end of the interval.
     """
 
+    about: ClassVar[About] = "noise"
     signature: ClassVar[str] = "short ON-OFF and OFF-ON intervals of one pixel at rest, most in the dark"
     steady: ClassVar[bool] = True
 

@@ -4,13 +4,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..effect import Band, Effect, quantity
+from ..effect import About, Band, Effect, quantity
 from ..kernel import kernel
 
 
 class ParasiticPhotocurrent(Effect):
     """Drift k5 L."""
 
+    about: ClassVar[About] = "pixel"
     signature: ClassVar[str] = "ON events at rest, at a rate in proportion to brightness"
     steady: ClassVar[bool] = True
 

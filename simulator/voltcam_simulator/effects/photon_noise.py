@@ -5,13 +5,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..effect import Band, Effect, quantity
+from ..effect import About, Band, Effect, quantity
 from ..kernel import kernel
 
 
 class PhotonNoise(Effect):
     """Noise k3 sqrt(L)/(L + k2), Poisson photons seen through the logarithm; k2: `contrast_response`."""
 
+    about: ClassVar[About] = "noise"
     signature: ClassVar[str] = "jitter of event times, and ON and OFF noise events, most at L = k2"
     steady: ClassVar[bool] = True
 

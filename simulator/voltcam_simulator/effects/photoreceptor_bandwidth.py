@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..effect import Band, Effect, Plane, Sensor, State, quantity
+from ..effect import About, Band, Effect, Plane, Sensor, State, quantity
 from ..kernel import kernel
 
 STEP_IN_TIME_CONSTANTS = 8.0
@@ -30,6 +30,7 @@ class PhotoreceptorBandwidth(Effect):
     tau is that of the mean light of the step. The linearised response of the paper's law is not filtered.
     """
 
+    about: ClassVar[About] = "pixel"
     signature: ClassVar[str] = (
         "events lag behind the light, by 1/(2 pi cutoff), more in the dark; fast flicker fades"
     )

@@ -4,7 +4,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..effect import Effect, Events, Sensor, State, quantity
+from ..effect import About, Effect, Events, Sensor, State, quantity
 from ..effect import Readout as Interval
 from ..event_order import copied
 from ..kernel import kernel
@@ -21,6 +21,7 @@ class Readout(Effect):
     pixel is reset when it is read, and memorises the level of then.)
     """
 
+    about: ClassVar[About] = "readout"
     signature: ClassVar[str] = (
         "a floor of global intervals, a cap on bursts, one time stamp for many of a row"
     )

@@ -2,12 +2,13 @@
 
 from typing import ClassVar
 
-from ..effect import Effect, Sensor, quantity
+from ..effect import About, Effect, Sensor, quantity
 
 
 class RefractoryPeriod(Effect):
     """For period_us after an event the voltage stays at 0; what light and noise do meanwhile is lost."""
 
+    about: ClassVar[About] = "pixel"
     signature: ClassVar[str] = (
         "no two events of a pixel closer than the period; a rate r falls to r/(1 + r period)"
     )

@@ -2,12 +2,13 @@
 
 from typing import ClassVar
 
-from ..effect import Effect, Sensor, quantity
+from ..effect import About, Effect, Sensor, quantity
 
 
 class ResetNoise(Effect):
     """The voltage after an event is normal with spread sigma, held inside nine tenths of the thresholds."""
 
+    about: ClassVar[About] = "noise"
     signature: ClassVar[str] = "intervals spread about their mean, anew at each event and not by pixel"
 
     sigma: float = quantity(

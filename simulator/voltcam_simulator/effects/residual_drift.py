@@ -4,7 +4,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..effect import Band, Effect, quantity
+from ..effect import About, Band, Effect, quantity
 from ..exponential import exponential
 from ..kernel import kernel
 from ..logarithm import add_logarithm
@@ -17,6 +17,7 @@ class ResidualDrift(Effect):
     the image: what is left to say of a drift whose mechanism is unknown.
     """
 
+    about: ClassVar[About] = "noise"
     signature: ClassVar[str] = (
         "ON or OFF events at rest that no known effect gives, smooth in brightness and place"
     )

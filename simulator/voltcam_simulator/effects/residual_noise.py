@@ -4,7 +4,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..effect import Band, Effect, quantity
+from ..effect import About, Band, Effect, quantity
 from ..kernel import kernel
 from .residual_drift import powered
 
@@ -14,6 +14,7 @@ class ResidualNoise(Effect):
     of a noise whose mechanism is unknown.
     """
 
+    about: ClassVar[About] = "noise"
     signature: ClassVar[str] = "wider intervals, or ON and OFF events at rest, that no known noise gives"
     steady: ClassVar[bool] = True
 

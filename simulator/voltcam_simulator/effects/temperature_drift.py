@@ -3,7 +3,7 @@
 import math
 from typing import ClassVar
 
-from ..effect import Band, Effect, quantity
+from ..effect import About, Band, Effect, quantity
 
 COLDEST_C, HOTTEST_C = -40.0, 125.0
 """Where a drift ends: the limits of `temperature_c`."""
@@ -12,6 +12,7 @@ COLDEST_C, HOTTEST_C = -40.0, 125.0
 class TemperatureDrift(Effect):
     """temperature_c + rate t + amplitude sin(2 pi t/period), t from when it is set, or the first frame."""
 
+    about: ClassVar[About] = "pixel"
     signature: ClassVar[str] = "the rate of ON events at rest rises or falls over minutes, OFF does not"
 
     rate_c_per_s: float = quantity(

@@ -4,7 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..effect import Effect, Sensor, quantity
+from ..effect import About, Effect, Sensor, quantity
 
 LOWEST = 0.1
 """A threshold is never less than this share of its mean: it stays positive."""
@@ -13,6 +13,7 @@ LOWEST = 0.1
 class ThresholdMismatch(Effect):
     """theta (1 + sigma xi), xi normal and fixed, for each pixel and each of its two thresholds on its own."""
 
+    about: ClassVar[About] = "pixel"
     signature: ClassVar[str] = (
         "the same pixels always give more events than others, ON or OFF, for the same motion"
     )

@@ -4,7 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..effect import Effect, Events, Readout, quantity
+from ..effect import About, Effect, Events, Readout, quantity
 
 
 class TimestampQuantum(Effect):
@@ -12,6 +12,7 @@ class TimestampQuantum(Effect):
     a quantum; the stream stays in order: where the quantum is changed, stamps wait for the next tick.
     """
 
+    about: ClassVar[About] = "readout"
     signature: ClassVar[str] = "time stamps are multiples of the quantum"
     steady: ClassVar[bool] = True
 

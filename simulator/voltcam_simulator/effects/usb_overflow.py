@@ -4,7 +4,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..effect import Effect, Events, Readout, Sensor, State, quantity
+from ..effect import About, Effect, Events, Readout, Sensor, State, quantity
 from ..event_order import copied
 from ..kernel import kernel
 
@@ -15,6 +15,7 @@ class UsbOverflow(Effect):
     given before the buffer: they do not change.
     """
 
+    about: ClassVar[About] = "readout"
     signature: ClassVar[str] = "holes of the whole array, after more events than the cable can take"
     steady: ClassVar[bool] = True
 

@@ -4,13 +4,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..effect import Band, Effect, quantity
+from ..effect import About, Band, Effect, quantity
 from ..kernel import kernel
 
 
 class Vignetting(Effect):
     """Light times cos^4 of the angle to the axis, 1/(1 + g r^2)^2; r from the centre, g by corner_loss."""
 
+    about: ClassVar[About] = "light"
     signature: ClassVar[str] = (
         "leak, noise and lag of bright scenes in the centre, of darker ones in the corners"
     )
