@@ -167,7 +167,12 @@ def stream_routes(cameras: Cameras) -> APIRouter:
     streams = APIRouter()
 
     @streams.websocket("/events")
-    async def events(websocket: WebSocket, camera: str | None = None, encoding: str | None = None) -> None:
+    async def events(
+        websocket: WebSocket,
+        camera: str | None = None,
+        encoding: str | None = None,
+        bundle_ms: Annotated[float, Query(ge=0, le=1000)] = 0,
+    ) -> None:
         try:
             of = cameras.get(camera)
             plan = of.plan
@@ -176,7 +181,7 @@ def stream_routes(cameras: Cameras) -> APIRouter:
         except (UsageError, NoCameraError) as problem:
             await _refuse(websocket, problem)
         else:
-            await of.websockets.serve(websocket, TOPIC_EVENTS, encoding)
+            await of.websockets.serve(websocket, TOPIC_EVENTS, encoding, bundle_ms)
 
     @streams.websocket("/frames")
     async def frames(websocket: WebSocket, camera: str | None = None) -> None:

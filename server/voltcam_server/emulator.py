@@ -62,7 +62,7 @@ class Emulator:
         self.failure: Exception | None = None
         self._transports = transports
         self._on_status, self._on_failure = on_status, on_failure
-        self._mailbox = Mailbox()
+        self._mailbox = Mailbox(lambda: self.simulation.load.ratio < 1)
         self._pacer = Pacer(packets or PacketSettings(), self._send_events, self._end_interval)
         self._news = threading.Event()  # the status has changed
         self._clock = clock or Clock()

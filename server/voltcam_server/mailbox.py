@@ -1,7 +1,8 @@
-"""What waits between the capture thread and the simulation thread: at most two frames."""
+"""What waits between the capture thread and the simulation thread: a few frames."""
 
 import threading
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from voltcam_video import Fit, Frame
@@ -29,16 +30,20 @@ class Arrival:
         return not self.paced or self.frame.events is not None
 
 
-SLOTS = 2  # a machine that is late for less than two frames drops none; and frames in a row make an interval
+SLOTS = 2  # at least: frames in a row make an interval
+SPARE_SLOTS = 6  # where the machine can catch up: one that is late for once drops none
 
 
 class Mailbox:
-    """The newest two frames: the older of those that were not taken is dropped for a new one, and counted.
+    """The newest few frames: the oldest of those that were not taken is dropped for a new one, and counted.
+
+    can_catch_up: whether more than two may wait, as they will soon be taken.
 
     Who puts a patient frame waits instead until the former one is taken, and nothing is dropped.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, can_catch_up: Callable[[], bool] = lambda: False) -> None:
+        self._can_catch_up = can_catch_up
         self.received = 0
         self.dropped = 0
         self._waiting: deque[Arrival] = deque()
@@ -53,7 +58,7 @@ class Mailbox:
             if stop.is_set() or self._closed:
                 return
             self._waiting.append(arrival)
-            if len(self._waiting) > SLOTS:
+            while len(self._waiting) > (SPARE_SLOTS if self._can_catch_up() else SLOTS):
                 self.dropped += 1
                 lost, following = self._waiting.popleft(), self._waiting[0]
                 # A cut stays one when the frame that brought it is dropped.

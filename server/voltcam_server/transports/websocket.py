@@ -1,7 +1,11 @@
-"""WebSocket: header and buffer in one binary message, each client behind a bounded queue of its own."""
+"""WebSocket: header and buffer in one binary message, each client behind a bounded queue of its own.
+
+A client may ask for bundles: a message is then several of these, each after its length, u32 little-endian.
+"""
 
 import asyncio
 import contextlib
+import struct
 import threading
 from collections import deque
 from typing import ClassVar
@@ -14,13 +18,15 @@ from ..messages import Message
 from .transport import ClientStatus, Transport, TransportStatus
 
 CLIENT_BYTES = 8 * 2**20
+LENGTH = struct.Struct("<I")
 
 
 class _Client:
     """A queue between the transport's thread, which offers, and the event loop, which sends."""
 
-    def __init__(self, address: str, topic: bytes, encoding: str) -> None:
+    def __init__(self, address: str, topic: bytes, encoding: str, bundle_s: float) -> None:
         self.address, self.topic, self.encoding = address, topic, encoding
+        self.bundle_s = bundle_s
         self.sent = self.dropped = 0
         self._queue: deque[bytes] = deque()
         self._bytes = 0
@@ -31,23 +37,40 @@ class _Client:
     def offer(self, data: bytes) -> None:
         """From any thread: queue a message; the oldest goes when the client is too far behind."""
         with self._lock:
+            first = not self._queue
             self._queue.append(data)
             self._bytes += len(data)
             while self._bytes > CLIENT_BYTES and len(self._queue) > 1:
                 self._bytes -= len(self._queue.popleft())
                 self.dropped += 1
+        if not first:
+            return
         with contextlib.suppress(RuntimeError):  # the loop has been closed
             self._loop.call_soon_threadsafe(self._filled.set)
 
-    async def take(self) -> bytes:
+    async def take(self) -> tuple[bytes, int]:
+        """What is to be sent next, and how many messages that is."""
         while True:
             with self._lock:
-                if self._queue:
+                if self._queue and not self.bundle_s:
                     data = self._queue.popleft()
                     self._bytes -= len(data)
-                    return data
-                self._filled.clear()
+                    return data, 1
+                if not self._queue:
+                    self._filled.clear()
             await self._filled.wait()
+            if self.bundle_s:
+                await asyncio.sleep(self.bundle_s)
+                return self._bundle()
+
+    def _bundle(self) -> tuple[bytes, int]:
+        """All that waits, each message after its length."""
+        with self._lock:
+            waiting = list(self._queue)
+            self._queue.clear()
+            self._bytes = 0
+            self._filled.clear()
+        return b"".join(part for data in waiting for part in (LENGTH.pack(len(data)), data)), len(waiting)
 
     @property
     def status(self) -> ClientStatus:
@@ -72,11 +95,14 @@ class WebSocketTransport(Transport):
         self._clients: list[_Client] = []  # replaced, never changed: the thread iterates over it
         self._sent = self._lost = 0  # by the outbox, and clients that have left
 
-    async def serve(self, websocket: WebSocket, topic: bytes, encoding: str) -> None:
-        """Accept a client and send it all messages of a topic until it leaves."""
+    async def serve(self, websocket: WebSocket, topic: bytes, encoding: str, bundle_ms: float = 0) -> None:
+        """Accept a client and send it all messages of a topic until it leaves.
+
+        bundle_ms: wait so long, and send what has come as one: for clients to which a message is dear.
+        """
         await websocket.accept()
         peer = websocket.client
-        client = _Client(f"{peer.host}:{peer.port}" if peer else "", topic, encoding)
+        client = _Client(f"{peer.host}:{peer.port}" if peer else "", topic, encoding, bundle_ms / 1000)
         self._clients = [*self._clients, client]
         sending = asyncio.create_task(self._send_to(client, websocket))
         try:
@@ -93,8 +119,9 @@ class WebSocketTransport(Transport):
 
     async def _send_to(self, client: _Client, websocket: WebSocket) -> None:
         while True:
-            await websocket.send_bytes(await client.take())
-            client.sent += 1
+            data, count = await client.take()
+            await websocket.send_bytes(data)
+            client.sent += count
 
     @property
     def status(self) -> TransportStatus:

@@ -3,17 +3,26 @@
 import { decode } from "./msgpack.js";
 
 const API = new URL("api/v1/", document.baseURI);
+const CAMERA = new URLSearchParams(location.search).get("camera"); // which of several; null: the first
 const FIRST_RETRY_MS = 250;
 const LONGEST_RETRY_MS = 4000;
 const GET_PATIENCE_MS = 5000;
 const CHANGE_PATIENCE_MS = 60_000; // a network source takes its time to open
 
-/** GET, or another method with a JSON body. Throws an Error whose message a person can read. */
+/** Where something of this page's camera is. */
+export function address(path) {
+  const url = new URL(path, API);
+  if (CAMERA !== null) url.searchParams.set("camera", CAMERA);
+  return url;
+}
+
+/** GET, or another method with a body: JSON, or text as it is. Throws an Error whose message a person can read. */
 export async function ask(path, method = "GET", body = undefined) {
-  const response = await fetch(new URL(path, API), {
+  const text = typeof body === "string";
+  const response = await fetch(address(path), {
     method,
-    headers: { "Content-Type": "application/json" },
-    body: JSON.stringify(body),
+    headers: { "Content-Type": text ? "application/yaml" : "application/json" },
+    body: text ? body : JSON.stringify(body),
     signal: AbortSignal.timeout(method === "GET" ? GET_PATIENCE_MS : CHANGE_PATIENCE_MS),
     cache: "no-store",
   }).catch(() => {
@@ -44,6 +53,7 @@ export class Backoff {
 /** A WebSocket of messages, each a MessagePack header and a raw buffer, or JSON text, reopened until `close`. */
 export class Stream {
   #url;
+  #bundled;
   #onMessage;
   #onOpen;
   #backoff = new Backoff();
@@ -52,7 +62,8 @@ export class Stream {
 
   /** onMessage(header, ArrayBuffer) or onMessage(json) for each message, onOpen() for each connection. */
   constructor(path, onMessage, onOpen = () => {}) {
-    this.#url = new URL(path, API);
+    this.#url = address(path);
+    this.#bundled = this.#url.searchParams.has("bundle_ms");
     this.#url.protocol = this.#url.protocol.replace("http", "ws");
     this.#onMessage = onMessage;
     this.#onOpen = onOpen;
@@ -64,9 +75,8 @@ export class Stream {
     socket.binaryType = "arraybuffer";
     socket.onopen = () => this.#onOpen();
     socket.onmessage = ({ data }) => {
-      const parts = read(data);
       this.#backoff.reset();
-      this.#onMessage(...parts);
+      for (const message of this.#bundled ? unbundled(data) : [data]) this.#onMessage(...read(message));
     };
     socket.onclose = () => {
       if (socket !== this.#socket) return;
@@ -80,6 +90,16 @@ export class Stream {
     const socket = this.#socket;
     this.#socket = null;
     socket?.close();
+  }
+}
+
+/** Messages, each after its length. */
+function* unbundled(data) {
+  const view = new DataView(data);
+  for (let at = 0; at < data.byteLength; ) {
+    const length = view.getUint32(at, true);
+    yield data.slice(at + 4, at + 4 + length);
+    at += 4 + length;
   }
 }
 

@@ -100,7 +100,8 @@ export class Field {
       onkeydown: onEscape(() => info.blur()),
       aria: { label: `about ${this.#name}`, describedby: `${id}-tip` },
     });
-    const label = element("label", { htmlFor: id }, [element("code", {}, [key])]);
+    const words = description ? element("span", {}, [description.split(/[:;]/)[0]]) : "";
+    const label = element("label", { htmlFor: id }, [words, element("code", {}, [key])]);
     return element("div", { className: "field" }, [
       element("div", { className: "name" }, [label, info, tip]),
       ...(this.#property.maximum === undefined ? [] : [this.#range()]),

@@ -5,14 +5,19 @@ import { Diagnosis } from "./diagnosis.js";
 import { element } from "./element.js";
 import { Live } from "./live.js";
 import { buildPanel } from "./parameters.js";
+import { listCameras, listPresets, setUpPresets } from "./presets.js";
+import { Recording } from "./recording.js";
+import { Source } from "./source.js";
 
 const STATUS_PERIOD_MS = 1000;
 
 const find = (id) => document.getElementById(id);
 const live = new Live((version) => version > shown.version && refresh().catch(() => {})); // `watch` will say why
 const diagnosis = new Diagnosis();
+const source = new Source();
+const recording = new Recording();
 const backoff = new Backoff();
-const shown = { version: -1, uptime_s: 0, source: "", request: {}, built: "", parameters: () => {} };
+const shown = { version: -1, uptime_s: 0, built: "", state: "", panel: null };
 let here = false; // the daemon answered the last time
 
 async function watch() {
@@ -48,10 +53,13 @@ function close() {
 
 /** The panel, when the daemon is new or another one. */
 async function load() {
-  const [camera, schema] = await Promise.all([ask("camera"), ask("parameters/schema")]);
+  const [camera, schema, presets] = await Promise.all(["camera", "parameters/schema", "presets"].map((what) => ask(what)));
   find("camera").textContent = `${camera.name}, ${camera.width} × ${camera.height}`;
+  document.title = `${camera.name} · Voltcam`;
   const built = JSON.stringify([camera, schema]);
-  if (built !== shown.built) shown.parameters = buildPanel(find("parameters"), schema, camera.parameters, change);
+  if (built !== shown.built)
+    shown.panel = buildPanel(find("parameters"), schema, camera.parameters, presets.noisy ?? {}, change);
+  await Promise.all([listPresets(), listCameras(camera.name)]);
   shown.built = built;
   shown.version = -1;
 }
@@ -74,37 +82,52 @@ function refresh() {
 function holds({ parameters, parameters_version }) {
   if (parameters_version < shown.version) return; // an answer overtaken by a newer one
   shown.version = parameters_version;
-  shown.parameters(parameters);
+  shown.panel.show(parameters);
   find("version").textContent = parameters_version;
 }
 
-/** The mark in the header; and in a banner what keeps the pictures from coming. */
+/** The mark in the header; and in a banner what keeps the pictures from coming, and what can be done. */
 function showState(state, words) {
   const mark = find("source-state");
   mark.textContent = state === "gone" ? "no daemon" : state;
   mark.dataset.state = state;
-  const banner = find("banner");
-  if (banner.textContent !== words) banner.textContent = words; // a screen reader repeats what is set again
-  banner.hidden = words === "";
+  find("banner").hidden = words === "";
+  if (shown.state === state + words) return; // a screen reader repeats what is set again
+  shown.state = state + words;
+  find("banner-words").textContent = words;
+  find("remedies").replaceChildren(...source.remedies(state));
 }
 
-function showStatus({ state, reason, load, source, frames, latency, uptime_s }) {
+function showStatus(status) {
+  const { state, reason, load, frames, latency, uptime_s } = status;
   const well = state === "running" || state === "starting";
   showState(state, well ? "" : `${state[0].toUpperCase()}${state.slice(1)}: ${reason}`);
-  if (source.uri !== shown.source) find("source-uri").value = shown.source = source.uri;
-  shown.request = source.request; // its fit, loop... hold for the next source too
-  const size = source.granted ? `${source.granted.width} × ${source.granted.height}, ` : "";
-  find("frame-about").textContent = `${size}${source.fps.toFixed(1)} frames/s`;
+  source.show(status.source);
+  recording.show(status.recording);
+  const { granted, fps } = status.source;
+  const size = granted ? `${granted.width} × ${granted.height}, ` : "";
+  find("frame-about").textContent = `${size}${fps.toFixed(1)} frames/s`;
   showCounts({
-    "packets lost": live.lost,
+    "age of events": `${latency.age_ms.toFixed(1)} ms`,
+    load: load.toFixed(2),
     "frames received": frames.received,
     "frames dropped": frames.dropped,
     "frames skipped": frames.skipped,
-    load: load.toFixed(2),
-    "events not drawn": live.skipped,
-    "age of events": `${latency.age_ms.toFixed(1)} ms`,
+    "packets lost here": live.lost,
+    "events not drawn here": live.skipped,
     "up for": duration(uptime_s),
   });
+  showSubscribers(status.transports);
+}
+
+/** Who listens over WebSocket; of ZeroMQ only sums are known. */
+function showSubscribers(transports) {
+  const rows = Object.entries(transports).flatMap(([name, { address, packets_sent, packets_dropped, clients }]) => [
+    [name, address, packets_sent, packets_dropped],
+    ...clients.map((client) => [client.topic, client.address, client.sent, client.dropped]),
+  ]);
+  const cells = (row) => row.map((value, i) => element(i ? "td" : "th", {}, [String(value)]));
+  find("subscribers").tBodies[0].replaceChildren(...rows.map((row) => element("tr", {}, cells(row))));
 }
 
 function showCounts(counts) {
@@ -130,17 +153,16 @@ find("session").addEventListener("submit", async (event) => {
   }
 });
 
-find("source").addEventListener("submit", async (event) => {
+find("search").oninput = () => shown.panel?.search(find("search").value);
+setUpPresets(holds);
+
+const KEYS = { "/": () => find("search").focus(), " ": () => live.pause(), v: () => live.nextView() };
+
+document.addEventListener("keydown", (event) => {
+  const typing = event.target.closest("input, select, textarea, button, summary, a");
+  if (typing || event.ctrlKey || event.metaKey || event.altKey || !(event.key in KEYS)) return;
   event.preventDefault();
-  const [button, error] = [event.submitter, find("source-error")];
-  error.textContent = "";
-  button.disabled = true;
-  try {
-    await ask("source", "PUT", { ...shown.request, uri: find("source-uri").value.trim() });
-  } catch ({ message }) {
-    error.textContent = message;
-  }
-  button.disabled = false;
+  KEYS[event.key]();
 });
 
 // A hidden page takes no stream: it costs the daemon nothing, and comes back with the newest.

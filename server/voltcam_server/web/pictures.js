@@ -1,24 +1,43 @@
 /** The two pictures: events that fade, and the source frame. Both write 32-bit RGBA pixels. */
 
+import { each } from "./events.js";
+
 const LEVELS = 256;
 const EVENTS_AT_FULL = 4; // where the colour scale ends
 
 /** A canvas with one 32-bit word for each pixel. */
-class Picture {
+export class Picture {
   constructor(canvas) {
     this.canvas = canvas;
     this.context = canvas.getContext("2d", { alpha: false });
     this.resize(canvas.width, canvas.height);
   }
 
+  /** width, height: of the sensor. */
   resize(width, height) {
+    [this.width, this.height] = [width, height];
     [this.canvas.width, this.canvas.height] = [width, height];
     this.image = this.context.createImageData(width, height);
     this.pixels = new Uint32Array(this.image.data.buffer);
   }
 
   fit({ width, height }) {
-    if (width !== this.canvas.width || height !== this.canvas.height) this.resize(width, height);
+    if (width !== this.width || height !== this.height) this.resize(width, height);
+  }
+
+  /** Colours as [r, g, b]; the palette has half its entries for OFF, then as many for ON, from faint to full. */
+  paint(background, on, off) {
+    this.palette = new Uint32Array(2 * LEVELS);
+    for (let i = 0; i < LEVELS; i++) {
+      const share = this.share(i / LEVELS);
+      const mix = (colour) => rgba(colour.map((c, k) => background[k] + (c - background[k]) * share));
+      this.palette[i] = mix(off);
+      this.palette[LEVELS + i] = mix(on);
+    }
+  }
+
+  share(level) {
+    return level;
   }
 
   show() {
@@ -36,36 +55,23 @@ export class EventPicture extends Picture {
 
   /** Adds a buffer in the `libcaer` encoding. Returns [ON, OFF] counts. */
   add(buffer) {
-    const words = new Uint32Array(buffer);
-    const { width, height } = this.canvas;
-    const { activity, polarity } = this;
+    const { activity, polarity, width } = this;
     const count = [0, 0];
-    for (let i = 0; i < words.length; i += 2) {
-      const word = words[i];
-      const x = word >>> 17;
-      const y = (word >>> 2) & 0x7fff;
-      if (!(word & 1) || x >= width || y >= height) continue;
-      const on = (word >>> 1) & 1;
+    each(buffer, width, this.height, (x, y, on) => {
       activity[y * width + x] += 1;
       polarity[y * width + x] = on;
       count[1 - on]++;
-    }
+    });
     return count;
   }
 
-  /** Colours as [r, g, b]. */
-  paint(background, on, off) {
-    this.palette = new Uint32Array(2 * LEVELS);
-    for (let i = 0; i < LEVELS; i++) {
-      const share = 1 - Math.exp((-i * EVENTS_AT_FULL) / LEVELS);
-      const mix = (colour) => rgba(colour.map((c, k) => background[k] + (c - background[k]) * share));
-      this.palette[i] = mix(off);
-      this.palette[LEVELS + i] = mix(on);
-    }
+  share(level) {
+    return 1 - Math.exp(-level * EVENTS_AT_FULL);
   }
 
-  /** Shows the picture, then fades it by the factor `keep`. */
-  draw(keep) {
+  /** Shows the picture, then lets it fade for the time that has passed. */
+  draw(passedMs, windowMs) {
+    const keep = Math.exp(-passedMs / windowMs);
     const { activity, polarity, palette, pixels } = this;
     const scale = LEVELS / EVENTS_AT_FULL;
     for (let i = 0; i < pixels.length; i++) {
@@ -88,6 +94,6 @@ export class FramePicture extends Picture {
   }
 }
 
-function rgba([r, g, b]) {
+export function rgba([r, g, b]) {
   return (0xff000000 | (b << 16) | (g << 8) | r) >>> 0;
 }

@@ -2,6 +2,8 @@
 
 const PERIOD_MS = 250;
 const SAMPLES = 240;
+const LEFT = 58; // room for the numbers of an axis
+const BOTTOM = 18;
 
 export class Rate {
   #canvas;
@@ -35,8 +37,8 @@ export class Rate {
     return [0, 1].map((k) => last.reduce((sum, sample) => sum + sample[k], 0) / Math.max(1, last.length));
   }
 
-  /** Draws in CSS colours; returns the rate at the edge of the drawing [1/s]. */
-  draw({ on, off, line }) {
+  /** Draws a minute with its axes, in CSS colours. */
+  draw({ on, off, line, muted }) {
     const canvas = this.#canvas;
     const density = window.devicePixelRatio;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
@@ -44,23 +46,47 @@ export class Rate {
     const context = canvas.getContext("2d");
     context.scale(density, density);
     const top = roundUp(Math.max(1, ...this.#samples.flat()));
-    const middle = height / 2;
-    const step = width / (SAMPLES - 1);
+    const [right, bottom] = [width - LEFT, height - BOTTOM];
+    const middle = bottom / 2;
+    axes(context, { width, bottom, top, line, muted });
+    const step = right / (SAMPLES - 1);
     [on, off].forEach((colour, k) => {
       context.fillStyle = colour;
       const sign = k === 0 ? -1 : 1;
       const first = SAMPLES - this.#samples.length;
       context.beginPath();
-      context.moveTo(first * step, middle);
+      context.moveTo(LEFT + first * step, middle);
       this.#samples.forEach((sample, i) =>
-        context.lineTo((first + i) * step, middle + (sign * sample[k] * middle) / top),
+        context.lineTo(LEFT + (first + i) * step, middle + (sign * sample[k] * middle) / top),
       );
       context.lineTo(width, middle);
       context.fill();
     });
     context.fillStyle = line;
-    context.fillRect(0, middle - 0.5, width, 1);
-    return top;
+    context.fillRect(LEFT, middle - 0.5, right, 1);
+  }
+}
+
+/** Lines and numbers: rates on the left, ON above 0 and OFF below it, seconds beneath. */
+function axes(context, { width, bottom, top, line, muted }) {
+  context.font = "11px system-ui, sans-serif";
+  context.textBaseline = "middle";
+  context.textAlign = "right";
+  for (const share of [1, 0.5, 0, -0.5, -1]) {
+    const y = (bottom / 2) * (1 - share);
+    context.fillStyle = line;
+    context.fillRect(LEFT, Math.min(y, bottom - 1), width - LEFT, 1);
+    context.fillStyle = muted;
+    const inside = Math.max(6, Math.min(bottom - 6, y));
+    context.fillText(`${short(Math.abs(share) * top)}/s`, LEFT - 5, inside);
+  }
+  for (const seconds of [60, 45, 30, 15, 0]) {
+    const x = LEFT + (width - LEFT) * (1 - seconds / 60);
+    context.fillStyle = line;
+    context.fillRect(Math.min(x, width - 1), 0, 1, bottom);
+    context.fillStyle = muted;
+    context.textAlign = seconds === 0 ? "right" : seconds === 60 ? "left" : "center";
+    context.fillText(seconds ? `−${seconds} s` : "now", x, bottom + BOTTOM / 2 + 2);
   }
 }
 

@@ -1,7 +1,8 @@
 /** How a slider's whole-number positions stand for a parameter's values. */
 
 const DECADES = 2; // a logarithmic slider goes this far to both sides of its centre
-const PER_DECADE = 100;
+const STEPS = 200; // to each side
+const FINE = 0.25; // how fine it is near the centre, beside the mean
 const WIDE = 20; // limits this many times the centre call for a logarithm
 
 /**
@@ -25,20 +26,35 @@ function linear(low, high) {
   };
 }
 
-/** A hundredth of a decade for each step, and 0 as the leftmost one where it is allowed. */
+/** Half a percent for each step near the centre, ever more away from it; 0 as the leftmost one where allowed. */
 function logarithmic(low, high, centre, zero) {
-  const first = Math.max(low, centre / 10 ** DECADES);
-  const last = Math.min(high, centre * 10 ** DECADES);
-  const below = Math.round(Math.log10(centre / first) * PER_DECADE);
-  const above = Math.round(Math.log10(last / centre) * PER_DECADE);
   const start = zero ? 1 : 0;
-  return {
-    steps: start + below + above,
-    value: (position) =>
-      position < start ? 0 : rounded(centre * 10 ** ((position - start - below) / PER_DECADE)),
-    position: (value) =>
-      value <= 0 ? 0 : start + Math.max(0, below + Math.round(Math.log10(value / centre) * PER_DECADE)),
+  const value = (position) => {
+    if (position < start) return 0;
+    const decades = bent((position - start - STEPS) / STEPS);
+    return Math.min(high, Math.max(low, rounded(centre * 10 ** decades)));
   };
+  return {
+    steps: start + 2 * STEPS,
+    value,
+    position: (wanted) => {
+      if (wanted <= 0) return 0;
+      const decades = Math.log10(wanted / centre);
+      let [below, above] = [start, start + 2 * STEPS];
+      while (above - below > 1) {
+        const middle = (below + above) >> 1;
+        if (bent((middle - start - STEPS) / STEPS) <= decades) below = middle;
+        else above = middle;
+      }
+      const nearer = (p) => Math.abs(bent((p - start - STEPS) / STEPS) - decades);
+      return nearer(below) <= nearer(above) ? below : above;
+    },
+  };
+}
+
+/** Decades from the centre for -1 to 1: a cubic that rises everywhere, least in the middle. */
+function bent(share) {
+  return DECADES * (FINE * share + (1 - FINE) * share ** 3);
 }
 
 /** To three digits, but whole numbers as they are. */

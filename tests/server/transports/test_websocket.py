@@ -2,6 +2,7 @@
 
 import contextlib
 import threading
+import time
 from collections.abc import Iterator
 from functools import partial
 
@@ -49,8 +50,8 @@ def running() -> Iterator[Running]:
     app = FastAPI()
 
     @app.websocket("/events")
-    async def events(websocket: WebSocket, encoding: str = "libcaer") -> None:
-        await transport.serve(websocket, TOPIC_EVENTS, encoding)
+    async def events(websocket: WebSocket, encoding: str = "libcaer", bundle_ms: float = 0) -> None:
+        await transport.serve(websocket, TOPIC_EVENTS, encoding, bundle_ms)
 
     @app.websocket("/frames")
     async def frames(websocket: WebSocket) -> None:
@@ -142,3 +143,23 @@ def test_clients_come_and_go_and_may_say_what_they_want(running: Running) -> Non
         with running.client("/events") as client:
             running.transport.publish(events_message(packet(3)))
             assert decode_message(receive(client)).seq == 3
+
+
+def test_who_asks_for_bundles_gets_few_messages_and_all_packets(running: Running) -> None:
+    with running.client("/events?bundle_ms=50") as client:
+        for seq in range(300):
+            running.transport.publish(events_message(packet(seq)))
+            time.sleep(0.001)
+        seqs: list[int] = []
+        messages = 0
+        while len(seqs) < 300:
+            data = client.recv(timeout=PATIENCE_S)
+            assert isinstance(data, bytes)
+            messages += 1
+            while data:
+                length = int.from_bytes(data[:4], "little")
+                seqs.append(decode_message(data[4 : 4 + length]).seq)
+                data = data[4 + length :]
+        assert seqs == list(range(300))
+        assert messages < 30
+        until(lambda: running.transport.status.packets_sent == 300, "each is counted")
