@@ -31,7 +31,8 @@ def services(file: str) -> dict[str, Any]:
 def commands() -> list[list[str]]:
     """What `voltcam` is run with: by the images, and by the compose file."""
     images = [json.loads(rest) for keyword, rest in instructions() if keyword == "CMD"]
-    return images + [words["command"] for words in services("compose.yaml").values() if "command" in words]
+    ours = [each for each in services("compose.yaml").values() if "build" in each]
+    return images + [each["command"] for each in ours if "command" in each]
 
 
 def test_the_wheel_has_all_it_is_built_from() -> None:
@@ -82,6 +83,18 @@ def test_the_daemon_looks_through_the_device_that_is_passed_or_at_the_scene() ->
     assert daemon["group_add"]
     assert override["devices"] == []
     assert load({}, environment=override["environment"]).source.uri == "scene"
+
+
+def test_prometheus_asks_the_daemon_by_a_name_that_it_answers_to() -> None:
+    config = yaml.safe_load((DOCKER / "prometheus.yml").read_text())
+    ((target,),) = [each["targets"] for job in config["scrape_configs"] for each in job["static_configs"]]
+    name, _, port = target.partition(":")
+    composed = services("compose.yaml")
+    settings = load({}, environment=composed[name]["environment"])
+    assert name in settings.access.hosts
+    assert composed[name]["ports"][0].endswith(f":{port}")
+    assert composed["prometheus"]["profiles"] == ["metrics"]
+    assert re.fullmatch(r"\S+:v\d+\.\d+\.\d+", composed["prometheus"]["image"])
 
 
 def test_containers_are_closed_and_the_subscriber_waits_for_the_camera() -> None:

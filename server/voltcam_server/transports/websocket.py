@@ -18,6 +18,8 @@ from ..messages import Message
 from .transport import ClientStatus, Transport, TransportStatus
 
 CLIENT_BYTES = 8 * 2**20
+MOST_CLIENTS = 32  # of a camera: what waits for all of them is bounded, too
+TRY_AGAIN_LATER = 1013  # WebSocket close code
 LENGTH = struct.Struct("<I")
 
 
@@ -101,6 +103,11 @@ class WebSocketTransport(Transport):
         bundle_ms: wait so long, and send what has come as one: for clients to which a message is dear.
         """
         await websocket.accept()
+        if len(self._clients) >= MOST_CLIENTS:
+            await websocket.close(
+                TRY_AGAIN_LATER, f"{MOST_CLIENTS} clients are here already: end one of them"
+            )
+            return
         peer = websocket.client
         client = _Client(f"{peer.host}:{peer.port}" if peer else "", topic, encoding, bundle_ms / 1000)
         self._clients = [*self._clients, client]

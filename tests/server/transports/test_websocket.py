@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 import pytest
 from fastapi import FastAPI, WebSocket
+from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
 from voltcam_client.packet import (
@@ -23,6 +24,7 @@ from voltcam_client.packet import (
 )
 from voltcam_server.messages import Message, events_message, frame_message
 from voltcam_server.transports import WebSocketTransport
+from voltcam_server.transports.websocket import MOST_CLIENTS
 
 from ..rig import PATIENCE_S, until, web_server
 
@@ -163,3 +165,18 @@ def test_who_asks_for_bundles_gets_few_messages_and_all_packets(running: Running
         assert seqs == list(range(300))
         assert messages < 30
         until(lambda: running.transport.status.packets_sent == 300, "each is counted")
+
+
+def test_so_many_clients_and_no_more(running: Running) -> None:
+    with contextlib.ExitStack() as stack:
+        for _ in range(MOST_CLIENTS):
+            stack.enter_context(running.client("/events"))
+        with (
+            connect(f"ws://{running.address}/events") as late,
+            pytest.raises(ConnectionClosed, match="32 clients are here already"),
+        ):
+            late.recv(timeout=PATIENCE_S)
+        assert len(running.transport.status.clients) == MOST_CLIENTS
+    until(lambda: not running.transport.status.clients, "they have gone")
+    with running.client("/events"):
+        pass

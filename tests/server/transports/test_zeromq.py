@@ -2,6 +2,7 @@
 
 import contextlib
 import threading
+import time
 from collections.abc import Callable, Iterator
 from functools import partial
 
@@ -14,6 +15,7 @@ from voltcam_client.packet import EVENT, FrameMessage, Packet, decode_frame, dec
 from voltcam_server.messages import Message, events_message, frame_message, status_message
 from voltcam_server.problems import UsageError
 from voltcam_server.transports import ZeroMQTransport
+from voltcam_server.transports.zeromq import MOST_TOPICS
 
 from ..rig import PATIENCE_S, until
 
@@ -158,3 +160,31 @@ def test_a_port_in_use_is_said_with_the_flag(transport: ZeroMQTransport) -> None
     assert transport.endpoint in str(caught.value)
     assert "in use" in str(caught.value)
     assert "--zmq" in str(caught.value)
+
+
+def test_subscriptions_without_end_are_let_go_of(
+    transport: ZeroMQTransport,
+    subscriber: Callable[..., zmq.SyncSocket],
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    """200 subscribers with 500 topics of 480 bytes each took 2.7 GB, and nobody got a packet after that."""
+    good = subscriber(b"events")
+    with zmq.Context() as context:
+        context.max_sockets = 100
+        floods = [context.socket(zmq.SUB) for _ in range(20)]
+        for number, flood in enumerate(floods):
+            flood.linger = 0
+            flood.connect(transport.endpoint)
+            for topic in range(MOST_TOPICS // 10):
+                flood.subscribe(b"%d-%d-" % (number, topic) + b"x" * 40)
+        began_s = time.monotonic()
+        while time.monotonic() - began_s < 2:
+            transport.publish(events_message(packet(1)))
+            time.sleep(0.001)
+        for flood in floods:
+            flood.close()
+    assert "all subscribers are let go" in caplog.text
+    settle(good, transport)
+    transport.publish(events_message(packet(7)))
+    assert decode_packet(*good.recv_multipart()[1:]).seq == 7
+    assert transport.failure is None
