@@ -16,6 +16,7 @@ from voltcam_video import Clock
 from .access import SourceRules, Tokens
 from .access.connections import SOCKET_MESSAGE_BYTES, BoundedProtocol
 from .access.reach import check_reach, host_of
+from .announce import announced
 from .api import Access, create_app
 from .cameras import Cameras, RunningCamera, Surroundings, plans_of
 from .problems import UsageError, where
@@ -80,7 +81,10 @@ def serve(
             cameras.get().emulator.record(
                 RecordingPlan(Path(record), least_free_bytes=settings.least_free_bytes)
             )
-        on_ready(page, {camera.name: camera.zmq for camera in cameras})
+        endpoints = {camera.name: camera.zmq for camera in cameras}
+        if settings.announce:
+            stack.enter_context(announced(listener, access.secure, endpoints))
+        on_ready(page, endpoints)
         tell_systemd("READY=1")
         server.run(sockets=[listener])
         if cameras.failure is not None:

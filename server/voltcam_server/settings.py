@@ -64,6 +64,9 @@ class Settings(CameraSettings, BaseSettings):
     least_free_bytes: int = Field(
         default=500_000_000, ge=0, description="a recording ends before its disk has less"
     )
+    announce: bool = Field(
+        default=False, description="tell the local network where the cameras are (multicast DNS)"
+    )
     log: LogSettings = Field(default_factory=LogSettings, description="lines on standard error")
     http: str = Field(
         default="127.0.0.1:8560",
