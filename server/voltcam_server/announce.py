@@ -45,9 +45,7 @@ def announced(listener: socket.socket, secure: bool, cameras: Mapping[str, str])
     try:
         network = Zeroconf(interfaces=addresses)
     except OSError as error:
-        raise UsageError(
-            f"announce: {error}: leave it out, or see that the network takes multicast"
-        ) from None
+        raise UsageError(f"announce: {error}: leave it out, or see whether multicast works") from None
     with contextlib.closing(network):
         try:
             for service in services:
