@@ -62,7 +62,8 @@ class Recorder:
         self._queue: deque[tuple[Start | None, Interval]] = deque()
         self._bytes, self._lost = 0, 0
         self._start: Start | None = None
-        self._begin_wanted, self._closing = True, False
+        self._gap = True  # before what comes next: it needs a file that begins with it
+        self._full, self._closing = False, False  # full: the next file should begin soon
         self._looked_s = 0.0
         self._error: str | None = None
         self._changed = threading.Condition()
@@ -71,7 +72,8 @@ class Recorder:
 
     def look(self, simulation: Simulation, source: str) -> None:
         """Called before each interval is made: keep the state where a file is to begin with it."""
-        if self._begin_wanted and self._start is None:
+        wanted = self._full or (self._gap and not self._queue)
+        if wanted and self._start is None:
             self._start = simulation.start_of(source)
 
     def put(self, interval: Interval) -> None:
@@ -81,12 +83,13 @@ class Recorder:
             if self._closing or self._error is not None:
                 return
             start, self._start = self._start, None
-            if self._bytes + size > QUEUE_BYTES or (self._begin_wanted and start is None):
+            waits_for_room = self._gap and (start is None or len(self._queue) > 0)
+            if waits_for_room or self._bytes + size > QUEUE_BYTES:
                 self._lost += 1
-                self._begin_wanted = True
+                self._gap = True
                 return
             if start is not None:
-                self._begin_wanted = False
+                self._gap = self._full = False
             self._queue.append((start, interval))
             self._bytes += size
             self._changed.notify_all()
@@ -153,8 +156,8 @@ class Recorder:
             self._ended.append(self._part)
             self._part = Part(self._path_of(len(self._ended) + 1), self._origin)
         self._part.write(start, interval)
-        if self._full(self._part):
-            self._begin_wanted = True
+        if self._is_full(self._part):
+            self._full = True
         if time.monotonic() - self._looked_s > DISK_S:
             self._looked_s = time.monotonic()
             free_bytes = self._part.free_bytes
@@ -165,7 +168,7 @@ class Recorder:
                     f"least_free_bytes keeps {least:.0f} MB"
                 )
 
-    def _full(self, part: Part) -> bool:
+    def _is_full(self, part: Part) -> bool:
         plan = self._plan
         large = plan.rotate_bytes is not None and part.size_bytes >= plan.rotate_bytes
         return large or (plan.rotate_s is not None and part.span_s >= plan.rotate_s)

@@ -12,15 +12,11 @@ from voltcam_client.formats import FormatError, RecordingError, read
 from voltcam_server import recorder as recorder_module
 from voltcam_server.part import Part
 from voltcam_server.problems import UsageError
-from voltcam_server.recorder import RecordingPlan
+from voltcam_server.recorder import Recorder, RecordingPlan
+from voltcam_server.simulation import Simulation
 from voltcam_server.verify import verify
 
-from .rig import (
-    PATIENCE_S,
-    SCENE,
-    emulating,
-    until,
-)
+from .rig import PATIENCE_S, SCENE, arrival, emulating, moving_frames, tiny, until
 
 
 def test_a_recording_holds_what_was_sent(tmp_path: Path) -> None:
@@ -161,3 +157,23 @@ def test_a_recording_ends_before_the_disk_is_full(tmp_path: Path) -> None:
         assert "least_free_bytes keeps" in str(emulator.status.recording)
         assert emulator.status.recording_errors == 1
     assert read(tmp_path / "out.npz").frames is not None
+
+
+def test_a_file_that_is_full_takes_what_comes_until_the_next_can_begin(tmp_path: Path) -> None:
+    """It may become full while an interval is made, and the state before that interval was not kept."""
+    camera = tiny()
+    simulation = Simulation(camera, "exact", 0)
+    images = moving_frames(4, camera)
+    recorder = Recorder(RecordingPlan(tmp_path / "out.npz", rotate_bytes=1), simulation.origin)
+    for index, (image, looked) in enumerate(zip(images, (True, False, True, True), strict=True)):
+        if looked:
+            recorder.look(simulation, "here")
+        interval = simulation.step(arrival(image, 10_000 * index))
+        assert interval is not None
+        recorder.put(interval)
+        until(lambda count=index + 1: recorder.status.frames == count, "it is written")
+    recorder.close()
+    assert recorder.status.lost_intervals == 0
+    files = [tmp_path / name for name in ("out.npz", "out-002.npz", "out-003.npz")]
+    assert [verify(file).frames for file in files] == [2, 1, 1]
+    assert not any(verify(file).difference for file in files)
