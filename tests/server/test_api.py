@@ -185,7 +185,8 @@ def test_presets_can_be_set(api: Api) -> None:
 def test_health_and_metrics(api: Api) -> None:
     base = f"http://{api.address}"
     assert httpx.get(f"{base}/healthz", trust_env=False).json() == {"status": "ok"}
-    assert httpx.get(f"{base}/readyz", trust_env=False).json() == {"status": "running", "reason": ""}
+    well = {"status": "running", "reason": ""}  # once a busy machine drops nothing any more
+    until(lambda: httpx.get(f"{base}/readyz", trust_env=False).json() == well, "it is well")
     before = api.http.get("status").json()
     response = httpx.get(f"{base}/metrics", trust_env=False)
     after = api.http.get("status").json()
