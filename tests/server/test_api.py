@@ -29,7 +29,7 @@ from voltcam_server.problems import UsageError
 from voltcam_server.transports import WebSocketTransport
 from voltcam_simulator import camera_names
 
-from .rig import PATIENCE_S, SCENE, Listener, app_of, emulating, running, tiny, web_server
+from .rig import PATIENCE_S, SCENE, Listener, app_of, emulating, running, tiny, until, web_server
 
 
 @dataclass
