@@ -30,7 +30,7 @@ check: .venv/installed-dev
 	$(BIN)/lint-imports
 
 calibration-table: .venv/installed-dev
-	$(BIN)/python -m tests.lab.calibration_table
+	$(BIN)/python -m tests.lab.calibration.calibration_table
 
 format: .venv/installed-dev
 	$(BIN)/ruff format .

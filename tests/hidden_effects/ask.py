@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict
 
 from voltcam_client.formats import Recording
-from voltcam_lab.diagnosis.catalogue import Candidate
-from voltcam_lab.diagnosis.conclude import intervals
-from voltcam_lab.diagnosis.loop import Diagnosis, diagnose
-from voltcam_lab.diagnosis.result import Estimate
-from voltcam_lab.diagnosis.rig import Rig
+from voltcam_lab.diagnosis.catalogue.catalogue import Candidate
+from voltcam_lab.diagnosis.outcome.conclude import intervals
+from voltcam_lab.diagnosis.outcome.result import Estimate
+from voltcam_lab.diagnosis.rig.rig import Rig
+from voltcam_lab.diagnosis.search.loop import Diagnosis, diagnose
 from voltcam_lab.diagnosis.session import DiagnosisError, session_of
 from voltcam_simulator import Camera, Parameters
 

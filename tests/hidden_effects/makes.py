@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from tests.generator import Recorded, Scene
 
-from voltcam_lab.baselines.esim import Esim, EsimParameters
-from voltcam_lab.baselines.v2e import V2e, V2eParameters
+from voltcam_lab.models.esim import Esim, EsimParameters
+from voltcam_lab.models.v2e import V2e, V2eParameters
 
 STEP_US = 50
 LEAD_IN_US = 500_000

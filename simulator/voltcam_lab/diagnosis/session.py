@@ -10,18 +10,18 @@ from numpy.typing import NDArray
 from voltcam_client.formats import Recording
 from voltcam_simulator import Camera, Parameters
 
-from ..battery import setting_of
-from ..grey_levels import unrounded
 from ..health import Finding, Health, examine
-from ..light_between import calm, frame_noise2
-from ..scene import Scene, scene_of
-from .catalogue import Asymmetry, Candidate, catalogue
-from .clock import counted_from, origin_us
-from .clues import clues, in_step
-from .model import Model
-from .part import MOST_SAMPLES, cut, in_columns, sample
-from .rig import Values
-from .stored import StoredRig
+from ..light.between_frames import calm, frame_noise2
+from ..light.scene import Scene, scene_of
+from ..light.unrounded import unrounded
+from ..statistics import setting_of
+from .catalogue.catalogue import Asymmetry, Candidate, catalogue
+from .catalogue.clues import clues, in_step
+from .rig.clock import counted_from, origin_us
+from .rig.part import MOST_SAMPLES, cut, in_columns, sample
+from .rig.rig import Values
+from .rig.stored import StoredRig
+from .search.model import Model
 
 MOST_SECONDS = 10.0
 FEWEST_FRAMES, FEWEST_EVENTS = 10, 50

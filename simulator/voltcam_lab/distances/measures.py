@@ -6,7 +6,8 @@ from functools import cached_property
 
 from voltcam_simulator.effect import Events
 
-from . import counts, intervals, patches
+from . import counts, patches
+from . import inter_event_intervals as intervals
 from .light import Light
 from .region import BLOCK_US, Region, by_pixels, by_time
 

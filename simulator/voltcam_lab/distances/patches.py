@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 from voltcam_simulator.effect import Events
 
-from .intervals import any_polarity
+from .inter_event_intervals import any_polarity
 from .region import Halves, Region
 
 TILE_PIXELS = 12

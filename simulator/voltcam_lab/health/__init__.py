@@ -16,7 +16,7 @@ from voltcam_lab.health.content import Content
 from voltcam_lab.health.finding import Determination, Finding, Health
 from voltcam_lab.health.pixels import find_hot, find_silent
 from voltcam_lab.health.subject import Subject, subject_of, within
-from voltcam_lab.masks import Mask
+from voltcam_lab.windows import Mask
 
 __all__ = ["Determination", "Finding", "Health", "examine", "exposure_windows", "frame_mask", "hot_pixels"]
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voltcam_lab.health.subject import Subject
-from voltcam_lab.masks import Mask
+from voltcam_lab.windows import Mask
 
 _WIDTHS_US = (100, 400, 1600, 5000)
 _T_TEST = 5.0

@@ -9,10 +9,10 @@ import pytest
 from tests.generator import draw_base, draw_effect, draw_scene, record
 
 from voltcam_client.formats import Recording
-from voltcam_lab.diagnosis import search
-from voltcam_lab.diagnosis.catalogue import Candidate, catalogue
-from voltcam_lab.diagnosis.identify import Identifiability, identify
-from voltcam_lab.diagnosis.loop import Diagnosis, diagnose
+from voltcam_lab.diagnosis.catalogue.catalogue import Candidate, catalogue
+from voltcam_lab.diagnosis.search import step
+from voltcam_lab.diagnosis.search.identify import Identifiability, identify
+from voltcam_lab.diagnosis.search.loop import Diagnosis, diagnose
 from voltcam_lab.diagnosis.session import Session, session_of
 from voltcam_lab.recordings import load
 from voltcam_simulator import Camera
@@ -56,8 +56,8 @@ def tiny(tiny_path: Path) -> Recording:
 def quick() -> Iterator[pytest.MonkeyPatch]:
     """The search with fewer runs."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(search, "TWINS", FEW_TWINS)
-        patch.setattr(search, "COARSE", range(500, 504))
+        patch.setattr(step, "TWINS", FEW_TWINS)
+        patch.setattr(step, "COARSE", range(500, 504))
         patch.setattr("voltcam_lab.diagnosis.session.catalogue", few)
         yield patch
 

@@ -4,10 +4,10 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from voltcam_lab.battery import FLOORS, PARTS
-from voltcam_lab.diagnosis.catalogue import Candidate
-from voltcam_lab.diagnosis.model import BASE
-from voltcam_lab.diagnosis.rig import Rig, Values
+from voltcam_lab.diagnosis.catalogue.catalogue import Candidate
+from voltcam_lab.diagnosis.rig.rig import Rig, Values
+from voltcam_lab.diagnosis.search.model import BASE
+from voltcam_lab.statistics import FLOORS, PARTS
 from voltcam_simulator import Parameters
 
 START = Parameters.of("paper")

@@ -5,9 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from voltcam_lab.diagnosis.catalogue import SCALED, Asymmetry, Candidate, Clues, Lamp, Warming, catalogue
-from voltcam_lab.diagnosis.model import Model
-from voltcam_lab.diagnosis.unlisted import STEEP, forms
+from voltcam_lab.diagnosis.catalogue.catalogue import (
+    SCALED,
+    Asymmetry,
+    Candidate,
+    Clues,
+    Lamp,
+    Warming,
+    catalogue,
+)
+from voltcam_lab.diagnosis.search.model import Model
+from voltcam_lab.diagnosis.search.unlisted import STEEP, forms
 from voltcam_simulator import Parameters
 from voltcam_simulator.effects import EFFECTS
 

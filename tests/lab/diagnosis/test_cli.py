@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from voltcam_client.formats import FormatError
-from voltcam_lab import cli_diagnose
-from voltcam_lab.diagnosis.conclude import result_of
-from voltcam_lab.diagnosis.identify import identify
-from voltcam_lab.diagnosis.result import Result
-from voltcam_lab.diagnosis.rig import Rig, Values
+from voltcam_lab.diagnosis import cli as cli_diagnose
+from voltcam_lab.diagnosis.outcome.conclude import result_of
+from voltcam_lab.diagnosis.outcome.result import Result
+from voltcam_lab.diagnosis.rig.rig import Rig, Values
+from voltcam_lab.diagnosis.search.identify import identify
 from voltcam_lab.diagnosis.session import DiagnosisError
 from voltcam_simulator import Camera, Parameters
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.battery import setting_of
-from voltcam_lab.diagnosis.catalogue import Lamp
-from voltcam_lab.diagnosis.clues import MAINS_HZ, exposure_of, in_step, loudest_hz, quantum
-from voltcam_lab.diagnosis.rig import Rig
-from voltcam_lab.scene import scene_of
+from voltcam_lab.diagnosis.catalogue.catalogue import Lamp
+from voltcam_lab.diagnosis.catalogue.clues import MAINS_HZ, exposure_of, in_step, loudest_hz, quantum
+from voltcam_lab.diagnosis.rig.rig import Rig
+from voltcam_lab.light.scene import scene_of
+from voltcam_lab.statistics import setting_of
 from voltcam_simulator import EVENT, Parameters
 
 

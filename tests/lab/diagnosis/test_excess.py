@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from voltcam_client.formats import Recording
-from voltcam_lab.diagnosis.excess import own_effects, without_excess
+from voltcam_lab.diagnosis.search.excess import own_effects, without_excess
 from voltcam_lab.diagnosis.session import session_of
 from voltcam_simulator import Camera
 

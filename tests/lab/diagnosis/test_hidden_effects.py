@@ -24,7 +24,7 @@ from tests.hidden_effects.score import (
     table,
 )
 
-from voltcam_lab.diagnosis.result import Estimate
+from voltcam_lab.diagnosis.outcome.result import Estimate
 
 GRID = grid(REPORTED_FROM)
 

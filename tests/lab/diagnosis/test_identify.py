@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from voltcam_lab.diagnosis.identify import Known, detectable, short, smallest
-from voltcam_lab.diagnosis.model import BASE, flat
+from voltcam_lab.diagnosis.search.identify import Known, detectable, short, smallest
+from voltcam_lab.diagnosis.search.model import BASE, flat
 
 from .conftest import Done
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.diagnosis.lights import LIGHTS, light_behind
-from voltcam_lab.scene import scene_of
+from voltcam_lab.diagnosis.rig.lights import LIGHTS, light_behind
+from voltcam_lab.light.scene import scene_of
 from voltcam_video import Upsampling
 
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.diagnosis.catalogue import Candidate
-from voltcam_lab.diagnosis.loop import Diagnosis, diagnose
-from voltcam_lab.diagnosis.model import Model
-from voltcam_lab.diagnosis.rig import Values
+from voltcam_lab.diagnosis.catalogue.catalogue import Candidate
+from voltcam_lab.diagnosis.rig.rig import Values
+from voltcam_lab.diagnosis.search.loop import Diagnosis, diagnose
+from voltcam_lab.diagnosis.search.model import Model
 from voltcam_simulator import Parameters
 
 from .made_rig import CATALOGUE, DEAD, DEAD_TIME, MISMATCH, PATTERNS, START, MadeRig, response

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.diagnosis.model import EFFECT_SHARE, Model, slopes, spread_of
-from voltcam_lab.diagnosis.rig import Values
-from voltcam_lab.diagnosis.robust import loss
-from voltcam_lab.diagnosis.search import TWINS
+from voltcam_lab.diagnosis.rig.rig import Values
+from voltcam_lab.diagnosis.search.model import EFFECT_SHARE, Model, slopes, spread_of
+from voltcam_lab.diagnosis.search.robust import loss
+from voltcam_lab.diagnosis.search.step import TWINS
 from voltcam_simulator import Parameters
 
 from .made_rig import MISMATCH, PATTERNS, START, MadeRig, logs

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.diagnosis.model import Model, spread_of
-from voltcam_lab.diagnosis.precise import Precise, precise
-from voltcam_lab.diagnosis.search import TWINS
+from voltcam_lab.diagnosis.search.model import Model, spread_of
+from voltcam_lab.diagnosis.search.precise import Precise, precise
+from voltcam_lab.diagnosis.search.step import TWINS
 
 from .made_rig import MISMATCH, START, MadeRig, response
 

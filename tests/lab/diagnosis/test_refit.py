@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.battery import FLOORS, PARTS
-from voltcam_lab.diagnosis.model import Model
-from voltcam_lab.diagnosis.refit import refitted
-from voltcam_lab.diagnosis.rig import Values
+from voltcam_lab.diagnosis.rig.rig import Values
+from voltcam_lab.diagnosis.search.model import Model
+from voltcam_lab.diagnosis.search.refit import refitted
+from voltcam_lab.statistics import FLOORS, PARTS
 from voltcam_simulator import Parameters
 
 from .made_rig import DEAD_TIME, PATTERNS, START, MadeRig, logs, response

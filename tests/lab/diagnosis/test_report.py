@@ -6,10 +6,10 @@ from html.parser import HTMLParser
 
 import pytest
 
-from voltcam_lab.diagnosis import loop
-from voltcam_lab.diagnosis.conclude import result_of
-from voltcam_lab.diagnosis.report import page_of
-from voltcam_lab.diagnosis.where import views
+from voltcam_lab.diagnosis.outcome.conclude import result_of
+from voltcam_lab.diagnosis.outcome.report import page_of
+from voltcam_lab.diagnosis.outcome.where import views
+from voltcam_lab.diagnosis.search import loop
 
 from .conftest import Done
 

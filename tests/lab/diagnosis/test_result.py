@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
-from voltcam_lab.diagnosis.conclude import camera_of, result_of
-from voltcam_lab.diagnosis.result import Result, schema
+from voltcam_lab.diagnosis.outcome.conclude import camera_of, result_of
+from voltcam_lab.diagnosis.outcome.result import Result, schema
 from voltcam_simulator import Camera
 
 from .conftest import Done

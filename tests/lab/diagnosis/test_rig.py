@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.battery import setting_of
-from voltcam_lab.diagnosis.model import Model, spread_of
-from voltcam_lab.diagnosis.rig import PLACED, Rig, placed
-from voltcam_lab.scene import scene_of
+from voltcam_lab.diagnosis.rig.rig import PLACED, Rig, placed
+from voltcam_lab.diagnosis.search.model import Model, spread_of
+from voltcam_lab.light.scene import scene_of
+from voltcam_lab.statistics import setting_of
 from voltcam_simulator import Parameters
 
 PAPER = Parameters.of("paper")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.diagnosis.robust import SOFT, fitted, gap, loss
+from voltcam_lab.diagnosis.search.robust import SOFT, fitted, gap, loss
 
 
 def test_loss_is_half_the_square_near_zero_and_linear_far_out() -> None:

@@ -3,8 +3,8 @@
 import numpy as np
 from scipy import stats
 
-from voltcam_lab.diagnosis.model import Model, Spread
-from voltcam_lab.diagnosis.screen import OPEN_GAIN, OPEN_GAINS, Screen
+from voltcam_lab.diagnosis.search.model import Model, Spread
+from voltcam_lab.diagnosis.search.screen import OPEN_GAIN, OPEN_GAINS, Screen
 from voltcam_simulator import Parameters
 
 TWINS = 28

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.diagnosis.model import Model
-from voltcam_lab.diagnosis.search import base_fitted
+from voltcam_lab.diagnosis.search.model import Model
+from voltcam_lab.diagnosis.search.step import base_fitted
 from voltcam_simulator import Parameters
 
 from .made_rig import PATTERNS, START, MadeRig, logs

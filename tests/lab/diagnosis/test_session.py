@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from voltcam_client.formats import Recording
-from voltcam_lab.diagnosis.catalogue import catalogue
-from voltcam_lab.diagnosis.part import cut, sample
-from voltcam_lab.diagnosis.rig import Rig
+from voltcam_lab.diagnosis.catalogue.catalogue import catalogue
+from voltcam_lab.diagnosis.rig.part import cut, sample
+from voltcam_lab.diagnosis.rig.rig import Rig
+from voltcam_lab.diagnosis.rig.stored import StoredRig
 from voltcam_lab.diagnosis.session import DiagnosisError, session_of
-from voltcam_lab.diagnosis.stored import StoredRig
 from voltcam_lab.recordings import load
 from voltcam_simulator import EVENT, Camera, Parameters
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.battery import FLOORS, PARTS
-from voltcam_lab.diagnosis.model import Model
-from voltcam_lab.diagnosis.rig import Values
-from voltcam_lab.diagnosis.search import base_fitted, step_of
-from voltcam_lab.diagnosis.unlisted import residual_step
+from voltcam_lab.diagnosis.rig.rig import Values
+from voltcam_lab.diagnosis.search.model import Model
+from voltcam_lab.diagnosis.search.step import base_fitted, step_of
+from voltcam_lab.diagnosis.search.unlisted import residual_step
+from voltcam_lab.statistics import FLOORS, PARTS
 from voltcam_simulator import Parameters
 
 from .made_rig import CATALOGUE, DEAD, MISMATCH, PATTERNS, START, MadeRig, logs

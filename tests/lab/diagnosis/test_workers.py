@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 from voltcam_client.formats import Recording
-from voltcam_lab.battery import setting_of
-from voltcam_lab.diagnosis.loop import diagnose
-from voltcam_lab.diagnosis.rig import Rig
+from voltcam_lab.diagnosis.rig.rig import Rig
+from voltcam_lab.diagnosis.rig.stored import StoredRig
+from voltcam_lab.diagnosis.search.loop import diagnose
 from voltcam_lab.diagnosis.session import session_of
-from voltcam_lab.diagnosis.stored import StoredRig
-from voltcam_lab.scene import scene_of
+from voltcam_lab.light.scene import scene_of
+from voltcam_lab.statistics import setting_of
 from voltcam_simulator import Camera, Parameters
 
 from .conftest import Done

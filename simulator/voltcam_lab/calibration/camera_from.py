@@ -1,0 +1,258 @@
+"""A recording in, a camera file out: what `voltcam calibrate` does, without its command line."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+import yaml
+
+from voltcam_client.formats import Recording
+from voltcam_simulator import Camera, Parameters
+from voltcam_simulator.effect import Events
+from voltcam_simulator.effects.junction_leak import arrhenius
+
+from ..distances import Light, Region
+from ..health import Health, examine, exposure_windows, frame_mask, hot_pixels
+from ..windows import Mask
+from .calibrate import Calibration, CalibrationError, calibrate
+from .estimates import Estimate
+from .paper_method import calibrate_as_paper
+from .reading import Reading, scene_between
+from .refine.refine import Refined, refine
+
+Method = Literal["exact", "paper"]
+SIMULATED = 25e6  # pixels times images of light: as much as the command has time for
+WORTH_IT = 0.9  # of the score, where parameters that behave more alike take the place of the likeliest
+MOST_SAMPLES = (
+    24_000_000  # pixels times frames that are fitted: about 1.5 GB; of more, the middle of the picture
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Calibrated:
+    """camera: the result. estimates: what was fitted, with intervals; none by the paper's method. refined:
+    what was then moved for the camera to behave as the recording; None where nothing was. moved: these, as
+    (effect.parameter, by likelihood, now). reading: what of the recording was looked at, all its pixels.
+    notes: what a person should know, a line each."""
+
+    camera: Camera
+    method: Method
+    health: Health
+    estimates: tuple[Estimate, ...]
+    calibration: Calibration | None
+    refined: Refined | None
+    moved: tuple[tuple[str, float, float], ...]
+    reading: Reading
+    mask: Mask
+    notes: tuple[str, ...]
+
+    def to_yaml(self, source: str) -> str:
+        """The camera file, with what it rests on at its top. source: name of the recording."""
+        lines = [f"# Calibrated by `voltcam calibrate` ({self.method} law) from {source}."]
+        lines += [f"# {note}" for note in self.notes]
+        if self.estimates:
+            lines.append(
+                "# Likeliest: 90 % intervals, and what fixes each, data or only the prior (nothing much):"
+            )
+        for one in self.estimates:
+            name = f"{one.effect}.{one.parameter}"
+            lines.append(f"#   {name:<36} {one.low:.3g} .. {one.high:.3g}  {one.rests_on}")
+        content: dict[str, Any] = self.camera.model_dump(exclude={"parameters"})
+        content |= _rounded(self.camera.parameters.model_dump(exclude_defaults=True))
+        return "\n".join([*lines, yaml.safe_dump(content, sort_keys=False)])
+
+
+def camera_from(
+    recording: Recording,
+    *,
+    name: str = "camera",
+    method: Method = "exact",
+    base: Camera | None = None,
+    temperature_c: float | None = None,
+    seed: int = 0,
+    health: Health | None = None,
+    refining: bool = True,
+    report: Callable[[str], None] = lambda step: None,
+) -> Calibrated:
+    """The camera that made a recording (as voltcam_lab.recordings.load gives it).
+
+    base: a camera whose other effects are taken over, of the recording's size. temperature_c: of the die
+    while it was recorded. health: as `examine` has it, where that is known. refining: the exact law's
+    parameters are moved until simulated events are most like the recorded ones, if they gain by it. Raises
+    CalibrationError, a line, where the recording is of no use.
+    """
+    size = (recording.width, recording.height)
+    if base is not None and (base.width, base.height) != size:
+        raise CalibrationError(
+            f"{base.name} has {base.width}x{base.height} pixels, the recording {size[0]}x{size[1]}: omit "
+            "--camera, or give the camera that recorded it"
+        )
+    health = health or examine(recording)
+    if not health.usable:
+        raise CalibrationError("; ".join(finding.words for finding in health.fatal))
+    frames, frame_t_us = recording.frames, recording.frame_t_us
+    assert frames is not None  # fatal to its health
+    assert frame_t_us is not None
+    report("light between frames")
+    mask, keep = frame_mask(recording), ~hot_pixels(recording)
+    cut = _middle(recording)
+    mask = replace(mask, row_windows=mask.row_windows + round(mask.us_per_row * cut[0].start))
+    reading = Reading(_within(recording, cut), scene_between(frames[:, *cut], frame_t_us), keep[cut], mask)
+    notes = _notes(reading, frames.shape[1:])
+    found: Calibration | None = None
+    refined: Refined | None = None
+    moved: tuple[tuple[str, float, float], ...] = ()
+    estimates: tuple[Estimate, ...] = ()
+    if method == "paper":
+        try:
+            fitted = calibrate_as_paper(reading.events, reading.scene, reading.keep, mask)
+        except ValueError as error:
+            raise CalibrationError(str(error)) from error
+        parameters, notes = fitted.parameters, notes + list(fitted.notes)
+    else:
+        found = calibrate(reading, seed, report)
+        parameters, estimates = found.parameters, found.estimates
+        notes += _notes_of(found)
+        if refining:
+            parameters = base.parameters.changed(_own(parameters)) if base else parameters
+            refined = _refined(recording, reading, cut, parameters, seed, report)
+            worth = refined.after < WORTH_IT * refined.before
+            moved = _moved(parameters, refined.parameters) if worth else ()
+            notes.append(_told(refined, worth))
+            parameters = refined.parameters if worth else parameters
+    faulty = _faulty(recording, mask, health)
+    known: dict[str, Any] = _own(parameters) | faulty
+    if temperature_c is not None:
+        known["temperature_c"] = temperature_c
+        known["junction_leak"] = {"k4_per_us": _at_reference(parameters, temperature_c)}
+    camera = Camera(
+        name=name,
+        width=size[0],
+        height=size[1],
+        parameters=(base.parameters if base else Parameters()).changed(known),
+    )
+    return Calibrated(camera, method, health, estimates, found, refined, moved, reading, mask, tuple(notes))
+
+
+def _own(parameters: Parameters) -> dict[str, Any]:
+    return parameters.model_dump(exclude_defaults=True)
+
+
+def _refined(
+    recording: Recording,
+    reading: Reading,
+    cut: tuple[slice, slice],
+    start: Parameters,
+    seed: int,
+    report: Callable[[str], None],
+) -> Refined:
+    """The camera will see other scenes, so light is what it is there: frames, and what is between them."""
+    scene, frames, t_us = reading.scene, recording.frames, recording.frame_t_us
+    assert frames is not None
+    assert t_us is not None
+    whole = Region.whole(scene.width, scene.height, int(t_us[0]), int(t_us[-1]))
+    region = whole.on(reading.keep).without(exposure_windows(recording))
+    light = Light(np.asarray(frames[:, *cut], np.uint8), t_us)
+    return refine(
+        reading.events, scene, light, region, start, seed, report, same_light=True, longest=SIMULATED
+    )
+
+
+def _moved(before: Parameters, after: Parameters) -> tuple[tuple[str, float, float], ...]:
+    """What differs by more than a thousandth, by name."""
+    found = []
+    old, new = before.model_dump(), after.model_dump()
+    for effect, values in new.items():
+        for name, value in (values if isinstance(values, dict) else {}).items():
+            former = old[effect][name]
+            if isinstance(value, float) and abs(value - former) > 1e-3 * max(abs(value), abs(former)):
+                found.append((f"{effect}.{name}", float(former), value))
+    return tuple(found)
+
+
+def _told(refined: Refined, worth: bool) -> str:
+    score = f"{refined.before:.3g} to {refined.after:.3g} on pixels that no step was judged by (0: the same)"
+    if not worth:
+        return f"parameters are the likeliest: others that were tried behave no more alike, {score}"
+    return f"parameters were moved to behave as the recording does: difference from {score}"
+
+
+def _at_reference(parameters: Parameters, temperature_c: float) -> float:
+    """k4 at the temperature it is given at, of one fitted at temperature_c."""
+    leak = parameters.junction_leak
+    return float(leak.k4_per_us / arrhenius(temperature_c, leak.activation_energy_ev))
+
+
+def _middle(recording: Recording) -> tuple[slice, slice]:
+    """Rows and columns from the middle of the picture, such that there are MOST_SAMPLES at most."""
+    frames = 0 if recording.frames is None else len(recording.frames)
+    share = min(1.0, (MOST_SAMPLES / (frames * recording.width * recording.height)) ** 0.5)
+    spans = []
+    for side in (recording.height, recording.width):
+        length = max(int(side * share), 1)
+        spans.append(slice((side - length) // 2, (side - length) // 2 + length))
+    return spans[0], spans[1]
+
+
+def _within(recording: Recording, cut: tuple[slice, slice]) -> Events:
+    rows, columns = cut
+    x, y = recording.events["x"], recording.events["y"]
+    inside = (y >= rows.start) & (y < rows.stop) & (x >= columns.start) & (x < columns.stop)
+    events: Events = recording.events[inside].copy()
+    events["x"] -= columns.start
+    events["y"] -= rows.start
+    return events
+
+
+def _faulty(recording: Recording, mask: Mask, health: Health) -> dict[str, dict[str, float]]:
+    """Hot and dead pixels, as changes of parameters."""
+    pixels = recording.width * recording.height
+    hot, silent = health["hot pixels"].numbers["xy"], health["silent pixels"].numbers["xy"]
+    found: dict[str, dict[str, float]] = {}
+    if hot:
+        events = recording.events
+        seconds = float(events["t"][-1] - events["t"][0]) / 1e6
+        counts = np.bincount(
+            events["y"].astype(np.int64) * recording.width + events["x"], minlength=pixels
+        ).reshape(recording.height, recording.width)
+        rates = [counts[y, x] / seconds for x, y in hot]
+        found["hot_pixels"] = {"fraction": len(hot) / pixels, "rate_hz": float(np.median(rates))}
+    if silent:
+        found["dead_pixels"] = {"fraction": len(silent) / pixels}
+    return found
+
+
+def _notes(reading: Reading, size: tuple[int, ...]) -> list[str]:
+    scene = reading.scene
+    seconds = (scene.taken_us[-1] - scene.taken_us[0]) / 1e6
+    notes = [f"{len(scene.taken)} frames and {len(reading.events)} events in {seconds:.1f} s"]
+    if scene.taken.shape[1:] != size:
+        notes[0] += f", of the middle {scene.width}x{scene.height} pixels of {size[1]}x{size[0]}"
+    return notes
+
+
+def _notes_of(found: Calibration) -> list[str]:
+    notes = [
+        f"fitted to {found.events} intervals between events of a pixel; {found.fit.own:.0%} of these are "
+        f"as the model has them; light trusted to {found.reading.tolerance:.0%}"
+    ]
+    for (first, second), value in found.correlations.items():
+        notes.append(f"{first} and {second} are correlated {value:+.2f}")
+    if found.delay_us < 0:
+        notes.append(
+            f"events come {-found.delay_us:.0f} us before the light of the frames: latency is set to 0"
+        )
+    guessed = [f"{one.effect}.{one.parameter}" for one in found.estimates if one.rests_on == "prior"]
+    if guessed:
+        notes.append(
+            f"not determined by this recording, any value in the interval will do: {', '.join(guessed)}"
+        )
+    return notes
+
+
+def _rounded(value: Any) -> Any:
+    """Floats to four digits, in nested mappings."""
+    if isinstance(value, dict):
+        return {key: _rounded(one) for key, one in value.items()}
+    return float(f"{value:.4g}") if isinstance(value, float) else value

@@ -1,0 +1,180 @@
+"""The test rig: the model run on a recording's scene, and what the battery sees of it."""
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property, lru_cache
+from itertools import groupby
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from voltcam_simulator import EVENT, Parameters, Simulator
+
+from ...statistics import COUNTS, Setting, observe
+from .lights import LIGHTS, light_behind
+
+Values = NDArray[np.float64]
+Events = NDArray[np.void]
+Image = tuple[NDArray[np.float32], int]
+Lights = tuple[NDArray[np.float32], list[int]]
+"""(images, H, W) DN and their times [us]."""
+Job = tuple[Parameters, tuple[int, ...], bool]
+"""What `Rig.run` is asked for."""
+Item = TypeVar("Item")
+Made = TypeVar("Made")
+
+LEAD_IN_US = 300_000  # for which a camera has been there before it records: light that flickers, queues
+LEAD_IN_PULSES = 60  # of the frame readout, if there are any: they have fired by then whom they can at once
+LEAD_OUT_US = 100_000  # for which it goes on, for events that are late
+REMEMBERED = 1500  # batches, some 150 MB: a fit begins where another one has been
+PLACED = ("readout", "usb_overflow", "vignetting")
+"""Effects to which a pixel's column or what others do matters: they do not act on sensors side by side."""
+GUTTER = 1  # dark columns between sensors side by side: no event of one is a neighbour of the next
+
+
+class Rig:
+    """Runs the model on one scene. The same parameters and seeds give the same noise: runs may be compared.
+
+    Runs that see different versions of the light are one run of a sensor as wide as all of theirs, which
+    costs half as much: seeds come in batches of len(LIGHTS). Rows stay rows, for effects that scan them.
+    """
+
+    def __init__(self, setting: Setting, lights: Lights | None = None) -> None:
+        self.setting = setting
+        if lights is not None:
+            self.lights = lights
+
+    @cached_property
+    def _known(self) -> NDArray[np.bool_]:
+        return self.setting.scene.trusted()
+
+    @cached_property
+    def lights(self) -> Lights:
+        """All versions of the light, side by side, each with a gutter on its right."""
+        versions = [light_behind(self.setting.scene, version) for version in range(len(LIGHTS))]
+        moving = list(_moving(_side_by_side(images) for images in zip(*versions, strict=True)))
+        return np.stack([image for image, _ in moving]), [t_us for _, t_us in moving]
+
+    @cached_property
+    def _run(self) -> Any:
+        """`run`, which remembers."""
+        return lru_cache(REMEMBERED)(self.run)
+
+    def run(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> Values:
+        """(seeds, PARTS, n) what the battery sees of a batch of runs, comparable; see `events`."""
+        return np.stack([self.observe(events) for events in self.events(parameters, seeds, apart)])
+
+    def observe(self, events: Events) -> Values:
+        """(PARTS, n) what the battery sees of events, `in_trusted_light`."""
+        return comparable(observe(self.setting, self.in_trusted_light(events)).values)
+
+    def in_trusted_light(self, events: Events) -> Events:
+        """Those events that come where the light is known well enough (`Scene.trusted`)."""
+        scene = self.setting.scene
+        inside = events[(events["t"] >= scene.taken_us[0]) & (events["t"] <= scene.taken_us[-1])]
+        gap = np.searchsorted(scene.taken_us, inside["t"], side="right") - 1
+        last = len(scene.taken_us) - 2
+        pixel = inside["y"].astype(np.int64) * scene.width + inside["x"]
+        found: Events = inside[self._known[np.minimum(gap, last), pixel]]
+        return found
+
+    def events(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> list[Events]:
+        """The events of each run of a batch. seeds: in sequence, of one batch.
+
+        apart: each on a sensor of its own, as those that are `placed` are anyway.
+        """
+        if apart or placed(parameters):
+            return [self._simulated(parameters, seed, 1) for seed in seeds]
+        width, events = self.setting.scene.width, self._simulated(parameters, seeds[0], len(seeds))
+        found = []
+        for left in range(0, len(seeds) * (width + GUTTER), width + GUTTER):
+            own = events[(events["x"] >= left) & (events["x"] < left + width)]
+            own["x"] -= left
+            found.append(own)
+        return found
+
+    def _simulated(self, parameters: Parameters, seed: int, copies: int) -> Events:
+        scene = self.setting.scene
+        left = seed % len(LIGHTS) * (scene.width + GUTTER)
+        columns = slice(left, left + copies * (scene.width + GUTTER) - GUTTER)
+        simulator = Simulator(columns.stop - left, scene.height, parameters, seed=seed)
+        images, times_us = self.lights[0][:, :, columns], self.lights[1]
+        simulator.advance(images[0], times_us[0] - _lead_in_us(parameters))
+        found = [simulator.advance(image, t_us) for image, t_us in zip(images, times_us, strict=True)]
+        found.append(simulator.advance(images[-1], times_us[-1] + LEAD_OUT_US))
+        as_bytes = np.concatenate([events.view(np.uint8) for events in found])  # numpy joins records slowly
+        return as_bytes.view(EVENT)
+
+    def runs(self, many: Sequence[Parameters], seeds: Sequence[int], apart: bool = False) -> list[Values]:
+        """Of each parameter set, (seeds, PARTS, n): all runs."""
+        batches = _batches(seeds)
+        jobs = [(parameters, batch, apart) for parameters in many for batch in batches]
+        found = self.each(self.remembered, jobs)
+        n = len(batches)
+        return [np.concatenate(found[n * k : n * (k + 1)]) for k in range(len(many))]
+
+    def remembered(self, job: Job) -> Values:
+        """What `run` gives, simulated once."""
+        values: Values = self._run(*job)
+        return values
+
+    def each(self, function: Callable[[Item], Made], items: Sequence[Item]) -> list[Made]:
+        """The function, which asks for runs, of each item; a rig with workers does several at a time."""
+        return [function(item) for item in items]
+
+    def means(self, many: Sequence[Parameters], seeds: Sequence[int], apart: bool = False) -> list[Values]:
+        """Of each parameter set, the mean over the seeds."""
+        return [runs.mean(axis=0) for runs in self.runs(many, seeds, apart)]
+
+    def changes(self, here: Parameters, there: Sequence[Parameters], seeds: Sequence[int]) -> list[Values]:
+        """What each of the parameter sets there changes in the mean, with common noise."""
+        base = {
+            apart: self.means([here], seeds, apart)[0] for apart in sorted({placed(one) for one in there})
+        }
+        means = self.means(there, seeds)
+        return [mean - base[placed(one)] for mean, one in zip(means, there, strict=True)]
+
+
+def _side_by_side(images: Sequence[Image]) -> Image:
+    height, width = images[0][0].shape
+    joined = np.zeros((height, len(images), width + GUTTER), np.float32)
+    for n, (image, _) in enumerate(images):
+        joined[:, n, :width] = image
+    return joined.reshape(height, -1), images[0][1]
+
+
+def placed(parameters: Parameters) -> bool:
+    """Whether the parameters have an effect on that is PLACED, or a drift that grows across the columns."""
+    drift = parameters.residual_drift
+    across = drift.active and drift.across != 0
+    return across or any(getattr(parameters, name).active for name in PLACED)
+
+
+def _lead_in_us(parameters: Parameters) -> int:
+    pulses = parameters.aps_coupling
+    return max(LEAD_IN_US, round(LEAD_IN_PULSES * pulses.frame_period_us) if pulses.active else 0)
+
+
+def _batches(seeds: Sequence[int]) -> list[tuple[int, ...]]:
+    return [tuple(batch) for _, batch in groupby(seeds, lambda seed: seed // len(LIGHTS))]
+
+
+def _moving(light: Iterator[Image]) -> Iterator[Image]:
+    """Without the images between two others that are the same: nothing happens there."""
+    former, skipped = next(light), None
+    yield former
+    for image, t_us in light:
+        if np.array_equal(image, former[0]):
+            skipped = image, t_us
+            continue
+        if skipped is not None:
+            yield skipped
+        former, skipped = (image, t_us), None
+        yield former
+    if skipped is not None:
+        yield skipped
+
+
+def comparable(values: Values) -> Values:
+    """Counts n as 2 sqrt(n + 3/8), whose spread does not depend on n (Anscombe 1948); the rest as it is."""
+    return np.where(COUNTS, 2 * np.sqrt(np.maximum(values, 0) + 0.375), values)

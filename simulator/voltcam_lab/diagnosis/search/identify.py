@@ -1,0 +1,174 @@
+"""What a recording can tell, before anybody looks at its events: base parameters, and sizes of effects."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import gumbel_r
+
+from voltcam_simulator import Parameters
+
+from ..catalogue.catalogue import RATIOS, WEAKER, Candidate
+from ..rig.rig import Rig
+from .model import BASE, Model, flat, spread_of
+from .precise import precise
+from .screen import Screen, Signature, screen_of
+from .step import ALPHA, LEAST_GAIN, SIGNATURE, TWINS
+
+MIXED = 0.6  # correlation from which two parameters are said to be mixed up
+_FIXED, _PARTLY = 0.9, 0.5  # share of the prior's variance that is gone
+_AMOUNTS = (1e-3, 30.0)
+
+
+@dataclass(frozen=True)
+class Known:
+    """How well the recording fixes a base parameter. sd: of its logarithm; share: of the camera file's
+    uncertainty (variance) that goes; mixed_with: others that move with it, and their correlation."""
+
+    effect: str
+    name: str
+    value: float
+    sd: float
+    share: float
+    mixed_with: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def answer(self) -> Literal["yes", "in part", "no"]:
+        """In a word."""
+        return "yes" if self.share > _FIXED else "in part" if self.share > _PARTLY else "no"
+
+
+@dataclass(frozen=True)
+class Detectable:
+    """The smallest size of an effect that would be seen; None where none would."""
+
+    effect: str
+    name: str
+    size: float | None
+    unit: str
+
+
+@dataclass(frozen=True)
+class Identifiability:
+    """base, in the model's order; effects, each at the sign that shows best."""
+
+    base: tuple[Known, ...]
+    effects: tuple[Detectable, ...]
+
+    def text(self) -> str:
+        """Lines for a terminal."""
+        lines = [
+            "What this recording can tell",
+            f"  {'parameter':<40}{'fixed':<9}{'known to':<12}mixed up with",
+        ]
+        for one in self.base:
+            name = f"{one.effect}.{one.name}"
+            lines.append(f"  {name:<40}{one.answer:<9}{f'+- {percent(one.sd)}':<12}{mixed_up(one)}".rstrip())
+        lines.append(f"  {'effect':<40}seen from")
+        for effect in self.effects:
+            lines.append(f"  {effect.effect + '.' + effect.name:<40}{smallest(effect)}")
+        return "\n".join(lines)
+
+
+def mixed_up(one: Known) -> str:
+    """Its partners, in words."""
+    return ", ".join(f"{name} ({value:+.2f})" for name, value in one.mixed_with.items())
+
+
+def smallest(one: Detectable) -> str:
+    """The size with its unit."""
+    if one.size is None:
+        return "does not show in this recording"
+    text = short(abs(one.size), 4 if one.name in RATIOS else 2)
+    return text if one.unit == "1" else f"{text} {one.unit}"
+
+
+def percent(share: float) -> str:
+    """Small ones with a digit more."""
+    return f"{share:.0%}" if share >= 0.0995 else f"{share:.1%}"
+
+
+def short(number: float, digits: int = 3) -> str:
+    """With so many digits that count; with an exponent where it is very large or very small."""
+    if number == 0 or not 1e-4 <= abs(number) < 1e6:
+        return f"{number:.{digits}g}"
+    places = max(digits - 1 - int(np.floor(np.log10(abs(number)))), 0)
+    rounded = float(f"{number:.{digits}g}")
+    return f"{rounded:.{places}f}"
+
+
+def identify(
+    rig: Rig, model: Model, candidates: Sequence[Candidate], twins: Sequence[int] = TWINS
+) -> Identifiability:
+    """Of a rig's scene, with twins of the model only."""
+    spread = spread_of(rig, model, twins)
+    screen = screen_of(rig, model, spread, candidates, SIGNATURE)
+    return Identifiability(known(model, precise(rig, model, spread).covariance), detectable(screen))
+
+
+def known(model: Model, covariance: NDArray[np.float64]) -> tuple[Known, ...]:
+    """The base parameters of a model, with the covariance of its `shift`."""
+    k = len(BASE)
+    of_all = covariance[:k, :k]
+    sd = np.sqrt(np.diag(of_all))
+    correlation = of_all / np.outer(sd, sd)
+    parameters = model.parameters()
+    found = []
+    for i, (effect, name) in enumerate(BASE):
+        mixed = {
+            BASE[j][1]: float(correlation[i, j])
+            for j in np.argsort(-np.abs(correlation[i]))
+            if j != i and abs(correlation[i, j]) > MIXED
+        }
+        share = 1 - float(sd[i] / model.prior_sd[i]) ** 2
+        found.append(
+            Known(effect, name, getattr(getattr(parameters, effect), name), float(sd[i]), share, mixed)
+        )
+    return tuple(found)
+
+
+def detectable(screen: Screen) -> tuple[Detectable, ...]:
+    """The smallest size of each effect whose gain, base parameters projected out, is beyond chance's."""
+    beyond = max(float(gumbel_r.ppf(1 - ALPHA, *gumbel_r.fit(np.maximum(screen.null, 0.0)))), LEAST_GAIN)
+    best: dict[tuple[str, str], float | None] = {}
+    for one in screen.signatures:
+        candidate, amount = one.candidate, _least_amount(screen, one, beyond)
+        key = (candidate.effect, candidate.names[0])
+        size = None if amount is None else candidate.scaled(one.size, amount)[0]
+        if size is not None and abs(size) < candidate.least:
+            size = candidate.least
+        best[key] = _weaker(candidate, best.get(key), size)
+    return tuple(Detectable(effect, name, size, _unit(effect, name)) for (effect, name), size in best.items())
+
+
+def _least_amount(screen: Screen, one: Signature, beyond: float) -> float | None:
+    """Of a signature, in units of the size it was made with, by bisection."""
+
+    def gain(amount: float) -> float:
+        z = amount * flat(one.column)
+        return screen.with_effect(z, one).gain - screen.own(z).gain
+
+    low, high = np.log(_AMOUNTS)
+    if gain(float(np.exp(high))) < beyond:
+        return None
+    while high - low > 0.05:
+        middle = (low + high) / 2
+        low, high = (low, middle) if gain(float(np.exp(middle))) > beyond else (middle, high)
+    return float(np.exp(high))
+
+
+def _weaker(candidate: Candidate, one: float | None, other: float | None) -> float | None:
+    """Of two sizes, the one at which the effect is weaker."""
+    if one is None or other is None:
+        return one if other is None else other
+    if candidate.names[0] in RATIOS:
+        return min(one, other, key=lambda ratio: abs(np.log(ratio)))
+    return max(one, other) if candidate.names[0] in WEAKER else min(one, other, key=abs)
+
+
+def _unit(effect: str, name: str) -> str:
+    fields = type(getattr(Parameters(), effect)).model_fields
+    extra = fields[name].json_schema_extra if name in fields else None
+    return str(extra["unit"]) if isinstance(extra, dict) else "1"

@@ -1,0 +1,45 @@
+"""Light before it was rounded."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from voltcam_lab.light.unrounded import unrounded
+
+TEXTURE = np.random.default_rng(1).uniform(0, 40, (16, 16))  # pixels pass a level at different times
+
+
+def rounded(light: np.ndarray) -> np.ndarray:
+    return np.rint(light).astype(np.uint8)
+
+
+def test_slow_light_is_found_between_the_levels() -> None:
+    light = np.linspace(10, 16, 200)[:, None, None] + TEXTURE
+    error = (unrounded(rounded(light)) - light)[40:-40]  # but for the first level and the last
+    assert np.sqrt((error**2).mean()) < 0.1  # of rounding alone: 0.29
+
+
+def test_it_goes_on_only_while_its_surroundings_do() -> None:
+    ramp = np.concatenate([np.linspace(10, 12.2, 60), np.full(80, 12.2), np.linspace(12.2, 15, 60)])
+    light = unrounded(rounded(ramp[:, None, None] + TEXTURE))
+    assert np.ptp(light[64:136], axis=0).max() < 0.02
+
+
+def test_light_that_turns_within_a_level_is_nearer_than_the_level() -> None:
+    swing = TEXTURE + 1.4 * np.sin(np.linspace(0, 6 * np.pi, 300))[:, None, None]
+    taken = rounded(swing + 10)
+    error, of_rounding = (np.abs(each - swing - 10).mean() for each in (unrounded(taken), taken))
+    assert error < 0.5 * of_rounding
+
+
+@settings(max_examples=60, deadline=None)
+@given(arrays(np.uint8, (12, 3, 4), elements=st.integers(0, 255)))
+def test_it_rounds_to_the_frames(frames: np.ndarray) -> None:
+    assert np.abs(unrounded(frames) - frames).max() <= 0.5
+
+
+def test_frames_that_never_change_stay() -> None:
+    frames = np.full((20, 4, 4), 7, np.uint8)
+    assert unrounded(frames) == pytest.approx(frames)
