@@ -44,7 +44,7 @@ class Estimate:
         return "data" if self.determined else "data and prior" if self.informed > 0.2 else "prior"
 
 
-def parameters_of(values: dict[str, float], dead_us: float, delay_us: float) -> Parameters:
+def likelihood_parameters(values: dict[str, float], dead_us: float, delay_us: float) -> Parameters:
     """A camera's parameters from those of the likelihood (NAMES)."""
     changes: dict[str, dict[str, float]] = {}
     for name, (effect, parameter) in PLACES.items():
@@ -56,7 +56,7 @@ def parameters_of(values: dict[str, float], dead_us: float, delay_us: float) -> 
     return Parameters().changed(changes)
 
 
-def noise_of(log: NDArray[np.float64], covariance: NDArray[np.float64]) -> Shares:
+def noise_shares(log: NDArray[np.float64], covariance: NDArray[np.float64]) -> Shares:
     """k3 and k6 of logarithms (k,) of NAMES with their covariance (k, k)."""
     two = [NAMES.index("noise"), NAMES.index("noise_ratio")]
     return shares(log[two], covariance[np.ix_(two, two)], PRIOR.centre[two], PRIOR.sd[two])

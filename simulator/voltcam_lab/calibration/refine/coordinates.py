@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from voltcam_simulator import Parameters
 
+from ...light.grey import WHITE_DN
 from ...models.exact import K1_TO_K6, SPREADS
 
-WHITE_DN = 255.0
-DARK_DN = 4.0  # grey levels below that are near a camera's black, where they tell least of the light
+DARKEST_TOLD_DN = 4.0  # grey levels below that are near a camera's black, where they tell least of the light
 
 Point = Mapping[str, float]
 """Coordinates of the search; positive, except that what may be absent is 0 then.
@@ -72,7 +72,7 @@ def point_of(parameters: Parameters) -> dict[str, float]:
     }
 
 
-def parameters_of(point: Point, base: Parameters) -> Parameters:
+def parameters_at(point: Point, base: Parameters) -> Parameters:
     """The camera at these coordinates; the rest as in `base`. Raises pydantic's ValidationError, which is a
     ValueError, where they are outside of what parameters may be."""
     changes: dict[str, dict[str, float]] = {}
@@ -94,9 +94,9 @@ def response(point: Point, grey_dn: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(point["gain"] / gamma * (light - light[0]))
 
 
-def bent(point: Point, gamma: float, knee_dn: float) -> dict[str, float]:
+def with_curvature(point: Point, gamma: float, knee_dn: float) -> dict[str, float]:
     """Another gamma and knee, and the gain with which the response from dark to bright is what it was."""
-    ends = np.array([DARK_DN, WHITE_DN / 2])
+    ends = np.array([DARKEST_TOLD_DN, WHITE_DN / 2])
     other = {**point, "gamma": gamma, "knee_dn": knee_dn}
     other["gain"] *= float(response(point, ends)[1] / response(other, ends)[1])
     return other
