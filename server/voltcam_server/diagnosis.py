@@ -23,7 +23,7 @@ from voltcam_client.formats import READABLE, FormatError
 from voltcam_simulator import Parameters
 
 from .camera_settings import load_camera
-from .child import Child
+from .child_process import ChildProcess
 from .emulator import Emulator
 from .gather import Figures
 from .problems import UsageError, one_line, where
@@ -114,7 +114,7 @@ class Diagnosis:
         self._lock = threading.RLock()
         self._control = threading.Lock()  # one start or end at a time
         self._thread: threading.Thread | None = None
-        self._child: Child | None = None
+        self._child: ChildProcess | None = None
         self._ending = False
         self._began = emulator.simulation.parameters[0]  # with the parameters of then
         self._found: Parameters | None = None  # what there is to accept
@@ -259,7 +259,7 @@ class Diagnosis:
         with self._lock:
             if self._ending:
                 raise UsageError("ended")
-            self._child = Child(command, nice, log)
+            self._child = ChildProcess(command, nice, log)
         self._child.follow(self._hear)
 
     def _hear(self, line: str) -> None:

@@ -199,7 +199,7 @@ class Emulator:
             if former:
                 former.close()
                 self._recording_errors += former.status.error is not None
-            self._recorder = Recorder(plan, self.simulation.origin)
+            self._recorder = Recorder(plan, self.simulation.setup)
             return self._recorder.status
 
     def end_recording(self) -> RecordingStatus:

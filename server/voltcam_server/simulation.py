@@ -24,7 +24,7 @@ from voltcam_simulator.pixel_array import Pattern
 from voltcam_video import Frame, Image, along_cubic, along_flow, fit, follows
 
 from .camera_settings import Upsample
-from .interval import How, Interval, Origin, Start
+from .interval import How, Interval, SimulationSetup, Start
 from .mailbox import Arrival
 from .overload import Load, OverloadSettings, coarser
 from .problems import one_line
@@ -134,9 +134,9 @@ class Simulation:
         return None if current is None else self._step(current)
 
     @property
-    def origin(self) -> Origin:
-        """What it makes all its intervals with."""
-        return Origin(self.camera, self._law, self._simulator.seed, self._upsample)
+    def setup(self) -> SimulationSetup:
+        """What all its intervals are made with."""
+        return SimulationSetup(self.camera, self._law, self._simulator.seed, self._upsample)
 
     def start_of(self, source: str) -> Start:
         """The sensor before the next interval. For the thread that calls `step`."""

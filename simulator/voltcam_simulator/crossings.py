@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
+from .crossing_rounds import draw_crossings
 from .event_key import event_address
 from .first_passage import stays_inside
 from .kernel import kernel
-from .path import DEEPEST, walk
 from .random import normals, sequences
-from .turns import draw_crossings
+from .single_path import DEEPEST, walk
 
 BLOCK = 2048
 """Pixels that are drawn together: their numbers stay in the second cache."""

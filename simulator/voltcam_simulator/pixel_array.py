@@ -9,16 +9,16 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from .band_state import Image, Keys, Room, Rows, kick_arrays
 from .crossings import cross
 from .effect import Band, Effect, Plane, Sensor, State, overrides
-from .lazy import gather, take_over
 from .limits import Limits
+from .out_of_reach import gather, take_over
 from .paper_law import cross_by_paper
 from .parameters import Parameters
 from .random import CROSSINGS, START, interval_key
-from .rows import Image, Keys, Room, Rows, kick_arrays
 from .stationary import start_voltage
-from .still import StillRows
+from .still_rows import StillRows
 
 Law = Literal["exact", "paper"]
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .band_state import Image
 from .cameras import SIDE_LIMIT
 from .effect import EVENT, Events, Readout, overrides
 from .event_key import TIME_BITS, unpack
@@ -16,7 +17,6 @@ from .kernel import kernel
 from .limits import GivenUpError, Limits
 from .parameters import Parameters
 from .pixel_array import Law, Pattern, PixelArray
-from .rows import Image
 
 NO_LIMITS = Limits()
 LONGEST_INTERVAL_US = 2**TIME_BITS - 1

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from voltcam_simulator.first_passage import inverse_gaussian
-from voltcam_simulator.lazy import gather
+from voltcam_simulator.out_of_reach import gather
 from voltcam_simulator.random import START, interval_key
 from voltcam_simulator.stationary import start_voltage
 

@@ -7,8 +7,8 @@ import pytest
 from scipy import stats
 
 from voltcam_simulator import Parameters, Simulator
-from voltcam_simulator.ahead import catch_up, draw_ahead
 from voltcam_simulator.random import AHEAD, BACK, interval_key
+from voltcam_simulator.waiting_times import catch_up, draw_ahead
 
 from .scenes import Events, intervals_us, only
 

@@ -29,7 +29,7 @@ import numpy as np
 from .event_key import event_address, event_key
 from .first_passage import LOG_MISS, inverse_gaussian
 from .kernel import kernel
-from .lazy import REACH
+from .out_of_reach import REACH
 from .random import normals, sequences, uniforms
 
 BLOCK = 512

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from .ahead import PATIENCE, catch_up, count_quiet, draw_ahead, draw_due, find_due, shift_epoch
+from .band_state import Image, Rows
 from .effect import Plane
 from .random import AHEAD, BACK, interval_key
-from .rows import Image, Rows
+from .waiting_times import PATIENCE, catch_up, count_quiet, draw_ahead, draw_due, find_due, shift_epoch
 
 LONGEST_US = 2.0**23
 """Longest step, and longest time since the epoch: float32 counts whole microseconds up to twice that."""

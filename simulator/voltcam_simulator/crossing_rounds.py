@@ -8,8 +8,8 @@ import numpy as np
 from .event_key import event_address, event_key
 from .first_passage import LOG_MISS, stays_inside, touching_share
 from .kernel import kernel
-from .path import follow
 from .random import normals, uniforms
+from .single_path import follow
 
 TURNS = 4
 """Events of a pixel that are drawn together with those of others; later ones are followed."""

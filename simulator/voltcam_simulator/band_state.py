@@ -84,7 +84,7 @@ class Rows:
     above: Plane
     below: Plane
     quiet: NDArray[np.int32]  # (rows,): steps without change
-    ahead: NDArray[np.bool_]  # (rows,): which are drawn ahead, see `ahead.py`, and since when
+    ahead: NDArray[np.bool_]  # (rows,): which are drawn ahead, see `waiting_times.py`, and since when
     begun: Plane
     due: Plane
     motion: Plane
