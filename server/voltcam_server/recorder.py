@@ -118,7 +118,7 @@ class Recorder:
         return RecordingStatus(
             path=str(self._file.path),
             recording=self._error is None and self._thread.is_alive(),
-            files=len(parts),
+            files=len(files),
             events=sum(file.events for file in files),
             frames=sum(file.frames for file in files),
             lost_intervals=self._lost,

@@ -20,7 +20,7 @@ from voltcam_simulator import (
     TooManyEventsError,
 )
 from voltcam_simulator.effect import Effect
-from voltcam_simulator.pixel_array import Pattern
+from voltcam_simulator.fixed_pattern import FixedPattern
 from voltcam_video import Frame, Image, along_cubic, along_flow, fit, follows
 
 from .camera_settings import Upsample
@@ -80,7 +80,7 @@ class Simulation:
         self._lock = threading.Lock()
         self._wanted = (camera.parameters, 0)
         self._laying = threading.Lock()
-        self._laid: tuple[Pattern | None, int] = (None, 0)  # newest pattern and its version
+        self._laid: tuple[FixedPattern | None, int] = (None, 0)  # newest pattern and its version
         self._version = 0
         self._last_us: int | None = None
         self._shift_us = 0

@@ -9,9 +9,9 @@ Pure: arrays in, arrays out; no network, no files but camera files, no clock, no
 
 from .cameras import Camera, camera_names
 from .effect import EVENT
+from .law import Law
 from .limits import GivenUpError, Limits, TooLongError, TooManyEventsError
 from .parameters import Parameters
-from .pixel_array import Law
 from .simulator import Simulator
 
 __all__ = [

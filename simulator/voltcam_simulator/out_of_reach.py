@@ -1,22 +1,23 @@
-"""Lazy noise: pixels whose barriers are far away cannot fire, so nothing is drawn for them.
+"""Pixels whose thresholds are out of reach cannot fire, so nothing is drawn for them.
 
-While both barriers are more than `REACH` pending standard deviations away drift adds to a mean and noise to a
-pending variance. The pixels near a barrier are left to `crossings`.
+While both thresholds are more than `REACH` pending standard deviations away, drift adds to a mean and noise
+to a pending variance. The pixels near a threshold are left to `crossings`.
 """
 
 from typing import Any
 
 import numpy as np
 
+from .groups import Pixels
 from .kernel import kernel
 
 REACH = 7.4
-"""Standard deviations beyond which a barrier is out of reach: 4 Q(7.4) < 3e-13."""
+"""Standard deviations beyond which a threshold is out of reach: 4 Q(7.4) < 3e-13."""
 
 
 @kernel
-def take_over(light: Any, response: Any, drift: Any, last_light: Any, last_response: Any) -> None:
-    """Add the change of response to the drift; the new light and response become the last. (pixels,)."""
+def add_response(light: Any, response: Any, drift: Any, last_light: Any, last_response: Any) -> None:
+    """Add the change of response to the drift; the new light and response become the last. (n,)."""
     for i in range(drift.shape[0]):
         drift[i] += response[i] - last_response[i]
         last_response[i] = response[i]
@@ -24,35 +25,31 @@ def take_over(light: Any, response: Any, drift: Any, last_light: Any, last_respo
 
 
 @kernel
-def gather(
-    ahead: Any, voltage: Any, pending: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any,
-    held: Any, near: Any,
-) -> Any:  # fmt: skip
-    """Let drift and noise gather where no barrier is within reach, but not in rows that are drawn ahead.
+def accumulate(pixels: Any, motion: Any, step: Any, ahead: Any, near: Any) -> Any:
+    """Let drift and noise gather where no threshold is within reach, but not in rows that are drawn ahead.
 
-    ahead (rows,) bool; the others (pixels,) float32; held: dead time left [us]. near (pixels + 1,) int32
-    receives the indices of the other pixels, which stay as they were. Returns their number.
+    pixels, motion, step: `Pixels`, `Motion`, `Step`. ahead (rows,) bool. near (n + 1,) int32 receives the
+    indices of the other pixels, which stay as they were. Returns their number.
     """
-    width, row, count = voltage.shape[0] // ahead.shape[0], 0, 0
+    span, row, count = np.float32(step.span_us), 0, 0
     while row < ahead.shape[0]:
         first = row
         while row < ahead.shape[0] and not ahead[row]:
             row += 1
-        run = slice(first * width, row * width)
-        count += _gather(
-            voltage[run], pending[run], drift[run], noise[run], span, above[run], below[run], held[run],
-            near[count:], run.start,
-        )  # fmt: skip
+        run = slice(first * step.width, row * step.width)
+        several = Pixels(
+            pixels.voltage[run], pixels.pending[run], pixels.held[run], pixels.above[run], pixels.below[run]
+        )
+        count += _accumulate(several, motion.drift[run], motion.noise[run], span, near[count:], run.start)
         row += 1
     return count
 
 
 @kernel
-def _gather(
-    voltage: Any, pending: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any, held: Any,
-    near: Any, first: Any,
-) -> Any:  # fmt: skip
+def _accumulate(pixels: Any, drift: Any, noise: Any, span: Any, near: Any, first: Any) -> Any:
     """Two loops, because the first is then vectorised."""
+    voltage, pending, held = pixels.voltage, pixels.pending, pixels.held
+    above, below = pixels.above, pixels.below
     reach2 = np.float32(REACH * REACH)
     far = np.empty(voltage.shape[0], np.bool_)
     for i in range(voltage.shape[0]):

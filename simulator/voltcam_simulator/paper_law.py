@@ -35,18 +35,16 @@ def on_probability(mu: Any, sigma2: Any, up: Any, down: Any) -> Any:
 
 
 @kernel
-def cross_by_paper(
-    residual: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any,
-    first: Any, key: Any, pixel0: Any, width: Any, offset: Any, keys: Any,
-) -> Any:  # fmt: skip
-    """All pixels from `first` on, over one interval; arrays and return value as in `first_passage.cross`."""
-    written = 0
+def cross_by_paper(pixels: Any, motion: Any, step: Any, first: Any, keys: Any) -> Any:
+    """All pixels from `first` on, over one interval; groups and return value as in `crossings.cross`."""
+    residual, above, below = pixels.voltage, pixels.above, pixels.below
+    drift, noise, span, written = motion.drift, motion.noise, step.span_us, 0
     for i in range(first, residual.shape[0]):
-        state = sequence(key, pixel0 + i)
+        state = sequence(step.key, step.first_pixel + i)
         mu, sigma2 = drift[i] / span, np.float64(noise[i]) ** 2
         v: Any = np.float64(residual[i])
         now, events = 0.0, written
-        address = event_address(pixel0 + i, width, 1.0 / width)
+        address = event_address(step.first_pixel + i, step.width, 1.0 / step.width)
         while True:
             up, down = max(above[i] - v, 0.0), max(below[i] + v, 0.0)
             state, u = uniform(state)
@@ -65,7 +63,7 @@ def cross_by_paper(
             if events == keys.shape[0]:
                 return i, written
             now += tau
-            keys[events] = event_key(offset + now, address, 1 if on else -1)
+            keys[events] = event_key(step.offset_us + now, address, 1 if on else -1)
             events += 1
             v = 0.0
         written = events

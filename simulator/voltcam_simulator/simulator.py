@@ -8,15 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .band_state import Image
 from .cameras import SIDE_LIMIT
-from .effect import EVENT, Events, Readout, overrides
+from .effect import EVENT, Events, Image, Readout, overrides
 from .event_key import TIME_BITS, unpack
 from .event_order import copied, merged
+from .fixed_pattern import FixedPattern
 from .kernel import kernel
+from .law import Law
 from .limits import GivenUpError, Limits
 from .parameters import Parameters
-from .pixel_array import Law, Pattern, PixelArray
+from .pixel_array import PixelArray
 
 NO_LIMITS = Limits()
 LONGEST_INTERVAL_US = 2**TIME_BITS - 1
@@ -82,14 +83,14 @@ class Simulator:
     def parameters(self, parameters: Parameters) -> None:
         self.take(self.laid_down(parameters))
 
-    def laid_down(self, parameters: Parameters) -> Pattern:
+    def laid_down(self, parameters: Parameters) -> FixedPattern:
         """The fixed pattern of the sensor for these parameters, for `take`; changes nothing.
 
         It may be made in another thread than the one that calls `advance`: on a large sensor it takes time.
         """
         return self._pixels.laid_down(parameters)
 
-    def take(self, pattern: Pattern) -> None:
+    def take(self, pattern: FixedPattern) -> None:
         """Set the parameters for which `laid_down` has made this pattern."""
         parameters = pattern.parameters
         self._pixels.configure(pattern)

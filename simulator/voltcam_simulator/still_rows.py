@@ -2,96 +2,122 @@
 
 import numpy as np
 
-from .band_state import Image, Rows
-from .effect import Plane
+from .band_state import BandState
+from .effect import Image, Plane
+from .groups import AheadRows
 from .random import AHEAD, BACK, interval_key
-from .waiting_times import PATIENCE, catch_up, count_quiet, draw_ahead, draw_due, find_due, shift_epoch
+from .waiting_times import (
+    STILL_STEPS,
+    catch_up,
+    count_still_steps,
+    draw_ahead,
+    draw_due,
+    find_due,
+    shift_epoch,
+)
 
 LONGEST_US = 2.0**23
 """Longest step, and longest time since the epoch: float32 counts whole microseconds up to twice that."""
 
 
 class StillRows:
-    """The rows of a sensor that are drawn ahead, how long each has been unchanged, and the planes for that.
+    """The rows of a sensor that are drawn ahead, and the planes for that.
 
-    since: (height * width,) plane of the sensor that rows ahead need for nothing else.
+    pending: (height * width,) plane of the sensor that rows ahead do not need: their `since_us` is kept there.
     """
 
-    def __init__(self, width: int, height: int, seed: int, since: Plane) -> None:
-        self._width, self._seed, self._since = width, seed, since
+    def __init__(self, width: int, height: int, seed: int, pending: Plane) -> None:
+        self._width, self._seed = width, seed
         self.allowed = False  # by the effects that are on
-        self.quiet, self.ahead = np.zeros(height, np.int32), np.zeros(height, np.bool_)
-        self.begun = np.zeros(height, np.float32)
-        self.due, self.motion = np.zeros(since.size, np.float32), np.zeros((since.size, 2), np.float32)
-        self._changed, self._most_quiet = height, 0  # how many rows change in a step, and most of `quiet`
+        self._rows = AheadRows(
+            still_steps=np.zeros(height, np.int32),
+            ahead=np.zeros(height, np.bool_),
+            drawn_us=np.zeros(height, np.float32),
+            since_us=pending,
+            due_us=np.zeros(pending.size, np.float32),
+            motion=np.zeros((pending.size, 2), np.float32),
+        )
+        self._changed, self._most_still_steps = height, 0  # how many rows change in a step; of all rows
         self.now_us, self.steps = 0.0, 0  # now_us: since the epoch
+
+    def of_band(self, lines: slice) -> AheadRows:
+        """Those of some rows of the sensor."""
+        pixels, rows = slice(lines.start * self._width, lines.stop * self._width), self._rows
+        return AheadRows(
+            rows.still_steps[lines], rows.ahead[lines], rows.drawn_us[lines],
+            rows.since_us[pixels], rows.due_us[pixels], rows.motion[pixels],
+        )  # fmt: skip
 
     def restore(self, steps: int, now_us: float) -> None:
         """Be as after `wake_all`, so many steps after the beginning."""
-        self.quiet[:], self._changed, self._most_quiet = 0, self.quiet.size, 0
-        self.ahead[:] = False
+        self._all_change()
+        self._rows.ahead[:] = False
         self.steps, self.now_us = steps, now_us
 
     @property
     def nbytes(self) -> int:
         """Memory of the planes."""
-        return self.due.nbytes + self.motion.nbytes
+        return int(self._rows.due_us.nbytes + self._rows.motion.nbytes)
 
     def look(self, before: Image, after: Image, span_us: float) -> None:
         """Note which rows change over a step of span_us."""
         if before.dtype == after.dtype and span_us <= LONGEST_US:
-            self._changed, self._most_quiet = count_quiet(
-                before.view(np.uint8), after.view(np.uint8), self.quiet
+            self._changed, self._most_still_steps = count_still_steps(
+                before.view(np.uint8), after.view(np.uint8), self._rows.still_steps
             )
         else:
-            self.quiet[:], self._changed, self._most_quiet = 0, self.quiet.size, 0
+            self._all_change()
 
-    def wake(self, rows: Rows) -> None:
+    def wake(self, state: BandState) -> None:
         """Bring those rows of a band that are ahead, but change in this step, to its start."""
         if self._changed:
-            key = interval_key(self._seed, BACK, self.steps)
-            rows.rows_ahead -= catch_up(
-                rows.quiet, rows.ahead, rows.begun, rows.voltage, rows.pending, rows.due, rows.motion,
-                rows.above, rows.below, key, rows.pixels.start, self.now_us,
-            )  # fmt: skip
+            step = state.step(interval_key(self._seed, BACK, self.steps))
+            state.rows_ahead -= catch_up(state.rows, state.pixels, step, self.now_us)
 
-    def wake_all(self, bands: list[Rows]) -> None:
+    def wake_all(self, states: list[BandState]) -> None:
         """Bring all rows to the present: something else than the light changes."""
-        self.quiet[:], self._changed, self._most_quiet = 0, self.quiet.size, 0
-        for rows in bands:
-            self.wake(rows)
+        self._all_change()
+        for state in states:
+            self.wake(state)
 
-    def forget(self, bands: list[Rows]) -> None:
+    def forget(self, states: list[BandState]) -> None:
         """Take all rows as they were when they were drawn ahead: what was drawn since is lost."""
-        self.quiet[:], self._changed, self._most_quiet = 0, self.quiet.size, 0
-        self._since.reshape(-1, self._width)[self.ahead] = 0
-        self.ahead[:] = False
-        for rows in bands:
-            rows.rows_ahead = 0
+        self._all_change()
+        for state in states:
+            state.pixels.pending.reshape(-1, self._width)[state.rows.ahead] = 0
+            state.rows_ahead = 0
+        self._rows.ahead[:] = False
 
-    def draw_due(self, rows: Rows, key: np.uint64, span_us: float, offset_us: float) -> None:
+    def draw_due(self, state: BandState, key: np.uint64, span_us: float, offset_us: float) -> None:
         """The events of a band's rows that are ahead, over a step that starts offset_us into its interval."""
-        found = rows.room.near
-        count = find_due(rows.ahead, rows.due, np.float32(self.now_us + span_us), found)
-        rows.room.draw(count, lambda done, keys: draw_due(
-            rows.pending, rows.due, rows.motion, rows.above, rows.below, found, done, count,
-            self.now_us, span_us, offset_us, key, rows.pixels.start, self._width, keys,
-        ))  # fmt: skip
+        rows, pixels, step, now_us = (
+            state.rows,
+            state.pixels,
+            state.step(key, span_us, offset_us),
+            self.now_us,
+        )
+        found = state.workspace.near
+        count = find_due(rows, np.float32(now_us + span_us), found)
+        state.workspace.draw(
+            count, lambda done, keys: draw_due(rows, pixels, step, now_us, found, done, count, keys)
+        )
 
-    def draw_ahead(self, rows: Rows, span_us: float) -> None:
+    def draw_ahead(self, state: BandState, span_us: float) -> None:
         """At the end of a step, draw those rows of a band ahead that have been unchanged for long enough."""
-        if self._most_quiet >= PATIENCE:
-            key = interval_key(self._seed, AHEAD, self.steps)
-            rows.rows_ahead += draw_ahead(
-                rows.quiet, rows.ahead, rows.begun, rows.voltage, rows.pending, rows.due, rows.motion,
-                rows.band.drift, rows.band.noise, span_us, rows.above, rows.below, key, rows.pixels.start,
-                self.now_us + span_us,
-            )  # fmt: skip
+        if self._most_still_steps >= STILL_STEPS:
+            step = state.step(interval_key(self._seed, AHEAD, self.steps), span_us)
+            end_us = self.now_us + span_us
+            state.rows_ahead += draw_ahead(state.rows, state.pixels, state.motion, step, end_us)
 
     def pass_by(self, span_us: float) -> None:
         """A step is over."""
         self.steps += 1
         self.now_us += span_us
         if self.now_us > LONGEST_US:
-            shift_epoch(self.ahead, self.begun, self._since, self.due, np.float32(self.now_us))
+            shift_epoch(self._rows, np.float32(self.now_us))
             self.now_us = 0.0
+
+    def _all_change(self) -> None:
+        """No row stands still."""
+        self._rows.still_steps[:] = 0
+        self._changed, self._most_still_steps = self._rows.still_steps.size, 0
