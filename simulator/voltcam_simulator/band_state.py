@@ -1,11 +1,9 @@
-"""A band: some rows of the sensor, its part of all planes, and the workspace in which a thread works on it."""
+"""A band: some rows of the sensor, their part of all planes, and the workspace a thread works on it in."""
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from .effect import Band, Plane
-from .groups import AheadRows, Motion, Pixels, Step
+from .groups import AheadRows, Kicks, Motion, Pixels
 from .workspace import Workspace
 
 
@@ -15,8 +13,10 @@ class BandState:
 
     workspace: Workspace
     band: Band
-    place: slice
-    """Its pixels among the sensor's."""
+    first_pixel: int
+    """Number of its first pixel in the sensor."""
+    width: int
+    """Pixels in a row."""
     pixels: Pixels
     motion: Motion
     rows: AheadRows
@@ -24,11 +24,9 @@ class BandState:
     """What its pixels saw last [DN]."""
     response: Plane
     """Voltage that belongs to that [nominal thresholds]."""
+    no_kicks: Kicks
+    """What kernels are given where there are no kicks."""
     has_held: bool
-    """Whether any of them may be in a dead time."""
+    """Whether any of its pixels may be in a dead time."""
     rows_ahead: int = 0
     """How many of its rows are drawn ahead."""
-
-    def step(self, key: np.uint64, span_us: float = 0.0, offset_us: float = 0.0) -> Step:
-        """A step of this band, as kernels take it."""
-        return Step(key, span_us, offset_us, self.place.start, self.band.sensor.width)

@@ -28,7 +28,7 @@ class BandStepper:
         """A band at the end of a step: light and response there. image (pixels,): the whole sensor's."""
         band = state.band
         band.start_us, band.span_us, band.elapsed_us = start_us, span_us, elapsed_us
-        band.light[:] = image[state.place]
+        band.light[:] = image[state.first_pixel : state.first_pixel + band.light.size]
         band.response.fill(0)
         for effect in self._see:
             effect.see(band)
@@ -48,28 +48,22 @@ class BandStepper:
 
     def draw_events(self, state: BandState, key: np.uint64, offset_us: float) -> None:
         """Follow a band's voltages over the step that it has seen; its event keys go into its workspace."""
-        band, step = state.band, state.step(key, state.band.span_us, offset_us)
+        band, pixels, motion, workspace = state.band, state.pixels, state.motion, state.workspace
         add_response(band.light, band.response, band.drift, state.light, state.response)
+        step = Step(key, band.span_us, offset_us, state.first_pixel, state.width)
         if self._law == "paper":
-            pixels, motion = state.pixels, state.motion
-            state.workspace.draw(
-                band.drift.size, lambda done, keys: cross_by_paper(pixels, motion, step, done, keys)
+            workspace.draw(
+                band.drift.size, lambda done, keys: cross_by_paper(*pixels, *motion, *step, done, keys)
             )
-        else:
-            self._draw_exactly(state, step)
-
-    def _draw_exactly(self, state: BandState, step: Step) -> None:
-        """By the exact law."""
-        pixels, motion, workspace, reset = state.pixels, state.motion, state.workspace, self._reset
-        in_reach = pixels
-        kicks = kicks_of(state.band, workspace.zeros[: motion.drift.size])
-        if len(kicks.sizes):
-            by_row = motion.drift.reshape(-1, step.width)
+            return
+        kicks, in_reach = state.no_kicks, pixels
+        if band.kicks:
+            kicks = kicks_of(band)
+            by_row = band.drift.reshape(-1, state.width)
             by_row += kicks.sizes.sum(axis=0)[:, None]
             in_reach = pixels._replace(above=pixels.above - kicks.slack, below=pixels.below - kicks.slack)
-        near, careful = workspace.near, state.has_held or len(kicks.sizes) > 0
-        count = accumulate(in_reach, motion, step, state.rows.ahead, near)
-        workspace.draw(
-            count,
-            lambda done, keys: cross(pixels, motion, step, reset, kicks, careful, near, done, count, keys),
-        )
+        near, reset, careful = workspace.near, self._reset, state.has_held or kicks is not state.no_kicks
+        count = accumulate(*in_reach, *motion, step.span_us, step.width, state.rows.ahead, near)
+        workspace.draw(count, lambda done, keys: cross(
+            *pixels, *motion, *step, *reset, *kicks, careful, near, done, count, keys,
+        ))  # fmt: skip

@@ -87,7 +87,7 @@ def draw_crossings(
 
 @kernel
 def find_unfinished(paths: Any, places: Any) -> Any:
-    """Fill places with those of the paths that may touch a threshold in the time left; returns their number."""
+    """Fill places with those of the paths that may touch a threshold in their time; returns their number."""
     n, x, y, above, below = paths.states.shape[0], paths.x, paths.y, paths.above, paths.below
     noise2, left = paths.noise2, paths.left
     inside = np.empty(n, np.bool_)

@@ -8,6 +8,7 @@ import numpy as np
 from .crossing_rounds import draw_crossings
 from .event_key import event_address
 from .first_passage import stays_inside
+from .groups import Kicks, Motion, Pixels, Reset, Step
 from .kernel import kernel
 from .random import normals, sequences
 from .single_path import DEEPEST, Pixel, follow_kicked
@@ -41,37 +42,40 @@ class Paths(NamedTuple):
 
 @kernel
 def cross(
-    pixels: Any, motion: Any, step: Any, reset: Any, kicks: Any, careful: Any, near: Any, first: Any,
-    count: Any, keys: Any,
+    voltage: Any, pending: Any, held: Any, above: Any, below: Any, drift: Any, noise: Any,
+    key: Any, span_us: Any, offset_us: Any, first_pixel: Any, width: Any, dead_us: Any, sigma: Any,
+    kick_times_us: Any, kick_sizes: Any, slack: Any, careful: Any, near: Any, first: Any, count: Any, keys: Any,
 ) -> Any:  # fmt: skip
     """Draw the paths of the pixels near[first:count] and pack their events into keys.
 
-    pixels, motion, step, reset, kicks: see `groups`. careful: False when no pixel is held or kicked.
+    Called as cross(*pixels, *motion, *step, *reset, *kicks, careful, near, first, count, keys), see `groups`.
+    careful: False when no pixel is held or kicked.
     Returns (pixels done, events written). Stops before a block of pixels whose events do not fit into keys
     (capacity,) uint64; call again with more room, the same numbers are drawn.
 
     Pixels go in blocks: what all of them need, and the usual crossings of one threshold, are loops that the
     compiler vectorises (`draw_ends`, `find_touching`, `next_crossings`); the rest is followed one by one.
     """
-    written, span = 0, step.span_us
+    pixels, motion = Pixels(voltage, pending, held, above, below), Motion(drift, noise)
+    step, reset = Step(key, span_us, offset_us, first_pixel, width), Reset(dead_us, sigma)
+    kicks, written = Kicks(kick_times_us, kick_sizes, slack), 0
     states, touching = np.empty(BLOCK, np.uint64), np.empty(BLOCK + 1, np.int32)
-    start, end, above, below = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK)
+    start, end, a, b = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK)
     noise2, wait, free, scratch = np.empty(BLOCK), np.zeros(BLOCK), np.zeros(BLOCK), np.empty((12, BLOCK))
     cuts = np.empty((2, DEEPEST + 1))
-    voltage, pending, held = pixels.voltage, pixels.pending, pixels.held
     for begin in range(first, count, BLOCK):
         block = near[begin : min(begin + BLOCK, count)]
-        paths = Paths(block, states, start, end, above, below, noise2, wait, free)
+        paths = Paths(block, states, start, end, a, b, noise2, wait, free)
         done = written
-        sequences(step.key, step.first_pixel, block, states)
+        sequences(key, first_pixel, block, states)
         normals(states[: block.shape[0]], start[: block.shape[0]], end[: block.shape[0]])
         if careful:
-            find_waits(held, paths, span)
-        draw_ends(pixels, motion, paths, span)
-        touches = find_touching(paths, span, touching)
-        if len(kicks.sizes) > 0:
-            touches = leave_out_kicked(touches, kicks.slack, block, touching)
-            done = follow_all_kicked(paths, motion.drift, step, reset, kicks, cuts, keys, done)
+            find_waits(held, paths, span_us)
+        draw_ends(pixels, motion, paths, span_us)
+        touches = find_touching(paths, span_us, touching)
+        if len(kick_sizes) > 0:
+            touches = leave_out_kicked(touches, slack, block, touching)
+            done = follow_all_kicked(paths, drift, step, reset, kicks, cuts, keys, done)
         if done >= 0:
             done = draw_crossings(touching[:touches], paths, step, reset, scratch, cuts, keys, done)
         if done < 0:
@@ -81,7 +85,7 @@ def cross(
             pending[block[k]] = 0.0
         if careful:
             for k in range(block.shape[0]):
-                held[block[k]] = max(free[k] - span, 0.0)
+                held[block[k]] = max(free[k] - span_us, 0.0)
         written = done
     return count, written
 
@@ -142,7 +146,7 @@ def leave_out_kicked(count: Any, slack: Any, pixels: Any, touching: Any) -> Any:
 def follow_all_kicked(
     paths: Any, drift: Any, step: Any, reset: Any, kicks: Any, cuts: Any, keys: Any, written: Any
 ) -> Any:
-    """Follow a block's pixels with kicks; fills the paths' end and free_us. Returns `written`, -1 when full."""
+    """Follow a block's pixels with kicks; fills the paths' end and free_us. Returns `written`, as `follow`."""
     end, free = paths.end, paths.free_us
     for k in range(paths.pixels.shape[0]):
         i = paths.pixels[k]

@@ -23,8 +23,9 @@ def lay_down(
 ) -> FixedPattern:
     """The fixed pattern for parameters; set_us as in `Sensor`."""
     theta_on, theta_off = np.ones((2, height, width), np.float32)
+    dark_level_dn = parameters.contrast_response.k2_dn
     sensor = Sensor(
-        width, height, seed, parameters.temperature_c, parameters.contrast_response.k2_dn, theta_on, theta_off,
+        width, height, seed, parameters.temperature_c, dark_level_dn, theta_on, theta_off,
         set_us=set_us,
     )  # fmt: skip
     effects = [_by_law(law, effect) for effect in parameters.effects() if effect.active]

@@ -3,6 +3,9 @@
 Numba compiles a kernel for the types that it meets, so the fields say in words what they hold. Voltages are
 in nominal thresholds, n is the number of a band's pixels, planes are float32. A kernel takes the arrays that
 its loops read out of a group first: the loops are then vectorised.
+
+From kernel to kernel a group costs nothing. From Python each array in one costs 0.2 us a call, which a small
+sensor feels: a kernel that Python calls takes the fields in their order, `cross(*pixels, *motion, ...)`.
 """
 
 from typing import Any, NamedTuple

@@ -8,18 +8,18 @@ from .effect import Band, Plane
 from .groups import Kicks
 from .kernel import kernel
 
-NONE = np.empty((0, 1))
+
+def no_kicks(zeros: Plane) -> Kicks:
+    """Those of a band without any, zeros (n,) its slack."""
+    return Kicks(np.empty((0, 1)), np.empty((0, 1)), zeros)
 
 
-def kicks_of(band: Band, zeros: Plane) -> Kicks:
-    """A band's kicks, each row in order of time; zeros (n,): the slack where there are none.
+def kicks_of(band: Band) -> Kicks:
+    """A band's kicks, one or more, each row in order of time.
 
-    A kick that a row does not have in this step stands at its end, at inf, with size 0. A row's slack is what
-    its mean path, straight between kicks, may go beyond its two ends: the largest sum of kicks up to or from a
-    time, more than 0 where there is any kick.
+    A kick that a row does not have in this step stands at its end, at inf, with size 0. A row's slack is the
+    largest sum of its kicks up to or from a time, more than 0 where there is any kick.
     """
-    if not band.kicks:
-        return Kicks(NONE, NONE, zeros)
     band.kicks.sort(key=lambda kick: kick[0][0])  # of the first row: what is nearly in order is quick to sort
     times_us = np.stack([times_us for times_us, _ in band.kicks])
     sizes, slack = np.empty_like(times_us), np.empty(times_us.shape[1], np.float32)

@@ -25,22 +25,23 @@ def add_response(light: Any, response: Any, drift: Any, last_light: Any, last_re
 
 
 @kernel
-def accumulate(pixels: Any, motion: Any, step: Any, ahead: Any, near: Any) -> Any:
+def accumulate(
+    voltage: Any, pending: Any, held: Any, above: Any, below: Any, drift: Any, noise: Any, span_us: Any,
+    width: Any, ahead: Any, near: Any,
+) -> Any:  # fmt: skip
     """Let drift and noise gather where no threshold is within reach, but not in rows that are drawn ahead.
 
-    pixels, motion, step: `Pixels`, `Motion`, `Step`. ahead (rows,) bool. near (n + 1,) int32 receives the
-    indices of the other pixels, which stay as they were. Returns their number.
+    Called as accumulate(*pixels, *motion, span_us, width, ahead, near), see `groups`. ahead (rows,) bool. near
+    (n + 1,) int32 receives the indices of the other pixels, which stay as they were. Returns their number.
     """
-    span, row, count = np.float32(step.span_us), 0, 0
+    span, row, count = np.float32(span_us), 0, 0
     while row < ahead.shape[0]:
         first = row
         while row < ahead.shape[0] and not ahead[row]:
             row += 1
-        run = slice(first * step.width, row * step.width)
-        several = Pixels(
-            pixels.voltage[run], pixels.pending[run], pixels.held[run], pixels.above[run], pixels.below[run]
-        )
-        count += _accumulate(several, motion.drift[run], motion.noise[run], span, near[count:], run.start)
+        run = slice(first * width, row * width)
+        several = Pixels(voltage[run], pending[run], held[run], above[run], below[run])
+        count += _accumulate(several, drift[run], noise[run], span, near[count:], run.start)
         row += 1
     return count
 

@@ -13,6 +13,7 @@ from .band_step import BandStepper
 from .effect import Band, Effect, Image, Plane, State, overrides
 from .fixed_pattern import FixedPattern, lay_down
 from .groups import Motion, Pixels
+from .kicks import no_kicks
 from .law import Law
 from .limits import Limits
 from .parameters import Parameters
@@ -106,9 +107,9 @@ class PixelArray:
             below=self._below[place] if self._below.size == self.voltage.size else self._below[:size],
         )
         return BandState(
-            workspace, band, place, pixels, Motion(drift, noise),
+            workspace, band, place.start, self.width, pixels, Motion(drift, noise),
             self._still.of_band(slice(first_row, end_row)), self.light[place], self._response[place],
-            has_held=self._held.size > 0,
+            no_kicks(workspace.zeros[:size]), has_held=self._held.size > 0,
         )  # fmt: skip
 
     def snapshot(self) -> dict[str, NDArray[np.generic]]:
@@ -153,7 +154,7 @@ class PixelArray:
         """Show an image as if it had been there for long: light and response of that instant, no events."""
         self._still.wake_all(self._bands)
         for state in self._bands:
-            band = self._seen(state, image, t_us, 0.0)
+            band = self._stepper.see(state, image, t_us, 0.0, self._elapsed_us)
             state.light[:], state.response[:] = band.light, band.response
 
     def start(self, t_us: int) -> None:
@@ -166,7 +167,7 @@ class PixelArray:
             band.start_us, band.span_us = t_us, 1.0
             band.light[:] = state.light
             self._stepper.add_drift(band)
-            start_voltage(state.pixels, state.motion, state.step(key))
+            start_voltage(state.pixels, state.motion, key, state.first_pixel)
 
     def forget_events(self) -> None:
         """Empty what effects keep of events on their way: queues, times."""
@@ -215,15 +216,11 @@ class PixelArray:
             self._still.draw_due(state, key, span_us, offset_us)
             if state.rows_ahead == state.rows.ahead.size:
                 return
-        band = self._seen(state, image, start_us + int(offset_us), span_us)
+        band = self._stepper.see(state, image, start_us + int(offset_us), span_us, self._elapsed_us)
         self._stepper.add_drift(band)
         self._stepper.draw_events(state, key, offset_us)
         if self._still.allowed:
             self._still.draw_ahead(state, span_us)
-
-    def _seen(self, state: BandState, image: Image, start_us: int, span_us: float) -> Band:
-        """A band at the end of a step: light and response there."""
-        return self._stepper.see(state, image, start_us, span_us, self._elapsed_us)
 
     def take_keys(self) -> Keys:
         """The event keys of the steps since the last call."""

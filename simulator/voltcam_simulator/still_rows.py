@@ -4,7 +4,7 @@ import numpy as np
 
 from .band_state import BandState
 from .effect import Image, Plane
-from .groups import AheadRows
+from .groups import AheadRows, Step
 from .random import AHEAD, BACK, interval_key
 from .waiting_times import (
     STILL_STEPS,
@@ -23,7 +23,8 @@ LONGEST_US = 2.0**23
 class StillRows:
     """The rows of a sensor that are drawn ahead, and the planes for that.
 
-    pending: (height * width,) plane of the sensor that rows ahead do not need: their `since_us` is kept there.
+    pending: (height * width,) plane of the sensor. Rows ahead have nothing pending: `since_us` is in its place,
+    4 bytes a pixel less to keep.
     """
 
     def __init__(self, width: int, height: int, seed: int, pending: Plane) -> None:
@@ -71,8 +72,8 @@ class StillRows:
     def wake(self, state: BandState) -> None:
         """Bring those rows of a band that are ahead, but change in this step, to its start."""
         if self._changed:
-            step = state.step(interval_key(self._seed, BACK, self.steps))
-            state.rows_ahead -= catch_up(state.rows, state.pixels, step, self.now_us)
+            key = interval_key(self._seed, BACK, self.steps)
+            state.rows_ahead -= catch_up(*state.rows, *state.pixels, key, state.first_pixel, self.now_us)
 
     def wake_all(self, states: list[BandState]) -> None:
         """Bring all rows to the present: something else than the light changes."""
@@ -90,31 +91,29 @@ class StillRows:
 
     def draw_due(self, state: BandState, key: np.uint64, span_us: float, offset_us: float) -> None:
         """The events of a band's rows that are ahead, over a step that starts offset_us into its interval."""
-        rows, pixels, step, now_us = (
-            state.rows,
-            state.pixels,
-            state.step(key, span_us, offset_us),
-            self.now_us,
-        )
-        found = state.workspace.near
-        count = find_due(rows, np.float32(now_us + span_us), found)
-        state.workspace.draw(
-            count, lambda done, keys: draw_due(rows, pixels, step, now_us, found, done, count, keys)
-        )
+        rows, above, below, now_us = state.rows, state.pixels.above, state.pixels.below, self.now_us
+        found, first_pixel, width = state.workspace.near, state.first_pixel, self._width
+        count = find_due(rows.ahead, rows.due_us, np.float32(now_us + span_us), found)
+        state.workspace.draw(count, lambda done, keys: draw_due(
+            rows.since_us, rows.due_us, rows.motion, above, below, key, span_us, offset_us, first_pixel,
+            width, now_us, found, done, count, keys,
+        ))  # fmt: skip
 
     def draw_ahead(self, state: BandState, span_us: float) -> None:
         """At the end of a step, draw those rows of a band ahead that have been unchanged for long enough."""
         if self._most_still_steps >= STILL_STEPS:
-            step = state.step(interval_key(self._seed, AHEAD, self.steps), span_us)
+            key = interval_key(self._seed, AHEAD, self.steps)
+            step = Step(key, span_us, 0.0, state.first_pixel, self._width)
             end_us = self.now_us + span_us
-            state.rows_ahead += draw_ahead(state.rows, state.pixels, state.motion, step, end_us)
+            state.rows_ahead += draw_ahead(*state.rows, *state.pixels, *state.motion, *step, end_us)
 
     def pass_by(self, span_us: float) -> None:
         """A step is over."""
         self.steps += 1
         self.now_us += span_us
         if self.now_us > LONGEST_US:
-            shift_epoch(self._rows, np.float32(self.now_us))
+            rows = self._rows
+            shift_epoch(rows.ahead, rows.drawn_us, rows.since_us, rows.due_us, np.float32(self.now_us))
             self.now_us = 0.0
 
     def _all_change(self) -> None:

@@ -67,40 +67,43 @@ def inverse_gaussians(gauss: Any, u: Any, distance: Any, mu: Any, sigma: Any, ti
 
 
 @kernel
-def draw_ahead(rows: Any, pixels: Any, motion: Any, step: Any, now: Any) -> Any:
+def draw_ahead(
+    still_steps: Any, ahead: Any, drawn_us: Any, since_us: Any, due_us: Any, motion: Any,
+    voltage: Any, pending: Any, held: Any, above: Any, below: Any, drift: Any, noise: Any,
+    key: Any, span_us: Any, offset_us: Any, first_pixel: Any, width: Any, now: Any,
+) -> Any:  # fmt: skip
     """Draw the next event in rows under still light whose pixels have one threshold in reach each.
 
-    rows, pixels, motion: `AheadRows`, `Pixels`, `Motion`; step: the `Step` that ends now [us].
+    Called as draw_ahead(*rows, *pixels, *motion, *step, now), see `groups`: the step ends now [us].
     Returns how many rows these are.
     """
     drawn = 0
-    width, per_span = step.width, 1.0 / step.span_us
+    per_span = 1.0 / span_us
     states, places = np.empty(width, np.uint64), np.arange(width, dtype=np.int32)
     gauss, other, u, distance = np.empty(width), np.empty(width), np.empty(width), np.empty(width)
     mu, sigma = np.empty(width), np.empty(width)
-    for row in range(rows.ahead.shape[0]):
+    for row in range(ahead.shape[0]):
         here = slice(row * width, row * width + width)
-        v, p, a, b = pixels.voltage[here], pixels.pending[here], pixels.above[here], pixels.below[here]
-        drift, noise = motion.drift[here], motion.noise[here]
-        since, due, constant = rows.since_us[here], rows.due_us[here], rows.motion[here]
+        v, p, a, b = voltage[here], pending[here], above[here], below[here]
+        since, due, constant = since_us[here], due_us[here], motion[here]
         if (
-            rows.ahead[row]
-            or rows.still_steps[row] < STILL_STEPS
-            or not one_threshold(v, p, a, b, drift, noise, per_span)
+            ahead[row]
+            or still_steps[row] < STILL_STEPS
+            or not one_threshold(v, p, a, b, drift[here], noise[here], per_span)
         ):
             continue
-        sequences(step.key, step.first_pixel + row * width, places, states)
+        sequences(key, first_pixel + row * width, places, states)
         normals(states, gauss, other)
         uniforms(states, u)
         for k in range(width):
-            mu[k], sigma[k] = drift[k] * per_span, noise[k]
+            mu[k], sigma[k] = drift[row * width + k] * per_span, noise[row * width + k]
             v[k] += math.sqrt(p[k]) * gauss[k]
             distance[k] = max(a[k] - v[k] if mu[k] >= 0.0 else v[k] + b[k], 0.0)
         inverse_gaussians(other, u, distance, mu, sigma, gauss)
         for k in range(width):
             constant[k, 0], constant[k, 1] = mu[k], sigma[k]
             since[k], due[k] = now, now + max(gauss[k], 1.0)  # a stamp is whole microseconds, too
-        rows.ahead[row], rows.drawn_us[row] = True, now
+        ahead[row], drawn_us[row] = True, now
         drawn += 1
     return drawn
 
@@ -125,12 +128,11 @@ def one_threshold(
 
 
 @kernel
-def find_due(rows: Any, end: Any, found: Any) -> Any:
-    """Fill found (n + 1,) with the pixels of rows ahead that are due before end, float32; returns their number.
+def find_due(ahead: Any, due: Any, end: Any, found: Any) -> Any:
+    """Fill found (n + 1,) with the pixels of rows ahead that are due before end; returns their number.
 
     Few are: they are looked for eight at a time.
     """
-    ahead, due = rows.ahead, rows.due_us
     width, count = due.shape[0] // ahead.shape[0], 0
     soon = np.zeros((width + 7) // 8 * 8, np.bool_)
     eights = soon.view(np.uint64)
@@ -154,15 +156,15 @@ def find_due(rows: Any, end: Any, found: Any) -> Any:
 
 @kernel
 def draw_due(
-    rows: Any, pixels: Any, step: Any, now: Any, found: Any, first: Any, count: Any, keys: Any
-) -> Any:
+    since: Any, due: Any, motion: Any, above: Any, below: Any, key: Any, span_us: Any, offset_us: Any,
+    first_pixel: Any, width: Any, now: Any, found: Any, first: Any, count: Any, keys: Any,
+) -> Any:  # fmt: skip
     """Pack the events of the pixels found[first:count] in a step that starts now [us]; draw the next ones.
 
+    The planes are fields of `AheadRows` and `Pixels`; the five after them those of `Step`.
     Returns (pixels done, events written), see `crossings.cross`.
     """
-    since, due, motion, above, below = rows.since_us, rows.due_us, rows.motion, pixels.above, pixels.below
-    first_pixel, width, offset = step.first_pixel, step.width, step.offset_us
-    written, per_width, end = 0, 1.0 / width, now + step.span_us
+    written, per_width, end = 0, 1.0 / width, now + span_us
     states = np.empty(BLOCK, np.uint64)
     gauss, other, u = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK)
     mu, sigma, threshold = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK)
@@ -170,7 +172,7 @@ def draw_due(
     for begin in range(first, count, BLOCK):
         block = found[begin : min(begin + BLOCK, count)]
         n, done = block.shape[0], written
-        sequences(step.key, first_pixel, block, states)
+        sequences(key, first_pixel, block, states)
         normals(states[:n], gauss[:n], other[:n])
         uniforms(states, u[:n])
         for k in range(n):
@@ -182,7 +184,7 @@ def draw_due(
             return begin, written
         for k in range(n):
             address = event_address(first_pixel + block[k], width, per_width)
-            keys[done + k] = event_key(offset + (last[k] - now), address, mu[k])
+            keys[done + k] = event_key(offset_us + (last[k] - now), address, mu[k])
         done += n
         for k in range(n):
             while last[k] + wait[k] < end:  # once more in the same step
@@ -190,7 +192,7 @@ def draw_due(
                     return begin, written
                 last[k] += wait[k]
                 address = event_address(first_pixel + block[k], width, per_width)
-                keys[done] = event_key(offset + (last[k] - now), address, mu[k])
+                keys[done] = event_key(offset_us + (last[k] - now), address, mu[k])
                 done += 1
                 d = threshold[k]
                 states[k], wait[k] = inverse_gaussian(states[k], abs(mu[k]) / d, (d / sigma[k]) ** 2)
@@ -202,46 +204,47 @@ def draw_due(
 
 
 @kernel
-def catch_up(rows: Any, pixels: Any, step: Any, now: Any) -> Any:
+def catch_up(
+    still_steps: Any, ahead: Any, drawn_us: Any, since_us: Any, due_us: Any, motion: Any,
+    voltage: Any, pending: Any, held: Any, above: Any, below: Any, key: Any, first_pixel: Any, now: Any,
+) -> Any:  # fmt: skip
     """Bring rows that change to the present: their voltages now, given when they would have fired.
 
-    step: for its random numbers. They are not ahead any more, and nothing of them is pending. Returns how
-    many rows these are.
+    Called as catch_up(*rows, *pixels, key, first_pixel, now), see `groups`. The rows are not ahead any more,
+    and nothing of them is pending. Returns how many rows these are.
     """
-    woken, width = 0, step.width
+    woken, width = 0, voltage.shape[0] // ahead.shape[0]
     states, places = np.empty(width, np.uint64), np.arange(width, dtype=np.int32)
     n1, n2, n3, n4 = np.empty(width), np.empty(width), np.empty(width), np.empty(width)
-    since, due, motion, drawn = rows.since_us, rows.due_us, rows.motion, rows.drawn_us
-    voltage, pending, above, below = pixels.voltage, pixels.pending, pixels.above, pixels.below
-    for row in range(rows.ahead.shape[0]):
-        if rows.still_steps[row] > 0 or not rows.ahead[row]:
+    for row in range(ahead.shape[0]):
+        if still_steps[row] > 0 or not ahead[row]:
             continue
-        sequences(step.key, step.first_pixel + row * width, places, states)
+        sequences(key, first_pixel + row * width, places, states)
         normals(states, n1, n2)
         normals(states, n3, n4)
         for k in range(width):
             i = row * width + k
             mu, sigma = motion[i, 0], motion[i, 1]
-            start = np.float64(voltage[i]) if since[i] <= drawn[row] else 0.0
+            start = np.float64(voltage[i]) if since_us[i] <= drawn_us[row] else 0.0
             threshold = above[i] if mu >= 0.0 else -below[i]
-            passed, left = now - since[i], (due[i] - now) / max(due[i] - since[i], 1e-3)
+            passed, left = now - since_us[i], (due_us[i] - now) / max(due_us[i] - since_us[i], 1e-3)
             q = sigma * math.sqrt(passed * left)
             away = abs(threshold - start) * left + q * n1[k]
             rest = math.sqrt(away * away + q * q * (n2[k] * n2[k] + n3[k] * n3[k]))
-            voltage[i] = start if due[i] == np.inf else threshold - (rest if mu >= 0.0 else -rest)
+            voltage[i] = start if due_us[i] == np.inf else threshold - (rest if mu >= 0.0 else -rest)
             pending[i] = 0.0
-        rows.ahead[row] = False
+        ahead[row] = False
         woken += 1
     return woken
 
 
 @kernel
-def shift_epoch(rows: Any, by: Any) -> None:
+def shift_epoch(ahead: Any, drawn_us: Any, since_us: Any, due_us: Any, by: Any) -> None:
     """Let the times of rows ahead count from an epoch `by` later, before float32 gets too coarse for them."""
-    width = rows.due_us.shape[0] // rows.ahead.shape[0]
-    for row in range(rows.ahead.shape[0]):
-        if rows.ahead[row]:
-            rows.drawn_us[row] -= by
+    width = due_us.shape[0] // ahead.shape[0]
+    for row in range(ahead.shape[0]):
+        if ahead[row]:
+            drawn_us[row] -= by
             for i in range(row * width, row * width + width):
-                rows.since_us[i] -= by
-                rows.due_us[i] -= by
+                since_us[i] -= by
+                due_us[i] -= by

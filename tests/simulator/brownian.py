@@ -26,7 +26,7 @@ def crossings(
     kicks = Kicks(np.zeros((0, 1)), np.zeros((0, 1)), np.zeros(n, np.float32))
     keys = np.empty(2000 * n if noise > 2 else 200 * n, np.uint64)
     near = np.arange(n, dtype=np.int32)
-    done, written = cross(pixels, motion, step, Reset(0.0, 0.0), kicks, False, near, 0, n, keys)
+    done, written = cross(*pixels, *motion, *step, *Reset(0.0, 0.0), *kicks, False, near, 0, n, keys)
     assert done == n
     keys = keys[:written]
     pixel = (keys >> np.uint64(1) & np.uint64(0x1FFF)).astype(np.int64)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from voltcam_simulator.first_passage import inverse_gaussian
-from voltcam_simulator.groups import Motion, Pixels, Step
+from voltcam_simulator.groups import Motion, Pixels
 from voltcam_simulator.out_of_reach import accumulate
 from voltcam_simulator.random import START, interval_key
 from voltcam_simulator.stationary import start_voltage
@@ -131,8 +131,8 @@ def test_accumulate_is_its_numpy_twin() -> None:
     near, held = np.empty(n + 1, np.int32), (rng.random(n) < 0.01).astype(np.float32)
     far &= held == 0
     expected = np.where(far, voltage + drift, voltage), np.where(far, variance, pending)
-    pixels, step = Pixels(voltage, pending, held, above, below), Step(np.uint64(0), 1000.0, 0.0, 0, n)
-    count = accumulate(pixels, Motion(drift, noise), step, np.zeros(1, np.bool_), near)
+    pixels, motion = Pixels(voltage, pending, held, above, below), Motion(drift, noise)
+    count = accumulate(*pixels, *motion, 1000.0, n, np.zeros(1, np.bool_), near)
     assert 0 < count < n
     assert near[:count].tolist() == np.flatnonzero(~far).tolist()
     np.testing.assert_allclose(voltage, expected[0], rtol=1e-6)
@@ -156,7 +156,7 @@ def test_the_start_is_the_stationary_law(drift: float, noise: float, above: floa
     def start(seed: int) -> NDArray[np.float32]:
         pixels = Pixels(*(np.full(n, v, np.float32) for v in (0, 0, 0, above, below)))
         motion = Motion(*(np.full(n, v, np.float32) for v in (drift / 1e6, noise / 1e3)))
-        start_voltage(pixels, motion, Step(interval_key(seed, START, 0), 1.0, 0.0, 0, n))
+        start_voltage(pixels, motion, interval_key(seed, START, 0), 0)
         return pixels.voltage
 
     voltage = start(1)

@@ -34,12 +34,12 @@ def test_who_has_fired_and_where_the_others_stand(
         due_us=np.zeros(n, np.float32),
         motion=np.zeros((n, 2), np.float32),
     )
-    draw_ahead(rows, pixels, motion, Step(interval_key(1, AHEAD, 0), span, 0.0, 0, n), now)
+    draw_ahead(*rows, *pixels, *motion, *Step(interval_key(1, AHEAD, 0), span, 0.0, 0, n), now)
     assert rows.ahead.all()
     rows.still_steps[:] = 0
     distance = above - start if mu > 0 else start + below
     passed = round(share * distance / abs(mu))
-    catch_up(rows, pixels, Step(interval_key(1, BACK, 0), span, 0.0, 0, n), now + passed)
+    catch_up(*rows, *pixels, interval_key(1, BACK, 0), 0, now + passed)
     assert not rows.ahead.any()
     towards, spread = abs(mu) * passed, sigma * math.sqrt(passed)
 
