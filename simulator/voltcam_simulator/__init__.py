@@ -7,7 +7,8 @@ Pure: arrays in, arrays out; no network, no files but camera files, no clock, no
     events = simulator.advance(frame, t_us)
 """
 
-from .cameras import Camera, camera_names
+from .camera import Camera
+from .camera_file import camera_names
 from .effect import EVENT
 from .law import Law
 from .limits import GivenUpError, Limits, TooLongError, TooManyEventsError

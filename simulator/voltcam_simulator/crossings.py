@@ -44,7 +44,8 @@ class Paths(NamedTuple):
 def cross(
     voltage: Any, pending: Any, held: Any, above: Any, below: Any, drift: Any, noise: Any,
     key: Any, span_us: Any, offset_us: Any, first_pixel: Any, width: Any, dead_us: Any, sigma: Any,
-    kick_times_us: Any, kick_sizes: Any, slack: Any, careful: Any, near: Any, first: Any, count: Any, keys: Any,
+    kick_times_us: Any, kick_sizes: Any, slack: Any, careful: Any, near: Any, first: Any, count: Any,
+    keys: Any,
 ) -> Any:  # fmt: skip
     """Draw the paths of the pixels near[first:count] and pack their events into keys.
 
@@ -146,7 +147,7 @@ def leave_out_kicked(count: Any, slack: Any, pixels: Any, touching: Any) -> Any:
 def follow_all_kicked(
     paths: Any, drift: Any, step: Any, reset: Any, kicks: Any, cuts: Any, keys: Any, written: Any
 ) -> Any:
-    """Follow a block's pixels with kicks; fills the paths' end and free_us. Returns `written`, as `follow`."""
+    """Follow a block's pixels with kicks, to the paths' end and free_us. Returns `written`, as `follow`."""
     end, free = paths.end, paths.free_us
     for k in range(paths.pixels.shape[0]):
         i = paths.pixels[k]

@@ -31,8 +31,9 @@ def accumulate(
 ) -> Any:  # fmt: skip
     """Let drift and noise gather where no threshold is within reach, but not in rows that are drawn ahead.
 
-    Called as accumulate(*pixels, *motion, span_us, width, ahead, near), see `groups`. ahead (rows,) bool. near
-    (n + 1,) int32 receives the indices of the other pixels, which stay as they were. Returns their number.
+    Called as accumulate(*pixels, *motion, span_us, width, ahead, near), see `groups`. ahead (rows,) bool.
+    near (n + 1,) int32 receives the indices of the other pixels, which stay as they were. Returns their
+    number.
     """
     span, row, count = np.float32(span_us), 0, 0
     while row < ahead.shape[0]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .cameras import SIDE_LIMIT
+from .camera_file import SIDE_LIMIT
 from .effect import EVENT, Events, Image, Readout, overrides
 from .event_key import TIME_BITS, unpack
 from .event_order import copied, merged

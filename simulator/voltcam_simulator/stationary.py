@@ -13,7 +13,8 @@ from .random import sequence, uniform
 def start_voltage(pixels: Any, motion: Any, key: Any, first_pixel: Any) -> None:
     """Voltages of pixels that have been looking at a still scene for long: the stationary law.
 
-    motion: the `Motion` of the still scene over a microsecond; key: `interval_key`. With nu = 2 mu / sigma^2 the density of a Brownian motion that restarts at 0 when it leaves (-B, A) is, up to its height at 0,
+    motion: the `Motion` of the still scene over a microsecond; key: `interval_key`. With nu = 2 mu / sigma^2
+    the density of a Brownian motion that restarts at 0 when it leaves (-B, A) is, up to its height at 0,
 
         (1 - exp(-nu (A - x))) / (1 - exp(-nu A))             for x >= 0
         (exp(nu x) - exp(-nu B)) / (1 - exp(-nu B))           for x < 0

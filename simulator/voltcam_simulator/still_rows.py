@@ -23,8 +23,8 @@ LONGEST_US = 2.0**23
 class StillRows:
     """The rows of a sensor that are drawn ahead, and the planes for that.
 
-    pending: (height * width,) plane of the sensor. Rows ahead have nothing pending: `since_us` is in its place,
-    4 bytes a pixel less to keep.
+    pending: (height * width,) plane of the sensor. Rows ahead have nothing pending: their `since_us` takes
+    its place, which saves 4 bytes a pixel.
     """
 
     def __init__(self, width: int, height: int, seed: int, pending: Plane) -> None:
