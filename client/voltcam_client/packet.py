@@ -18,7 +18,7 @@ status     the same map as GET /api/v1/status                   none
 
 `stamp` is the host's clock (ns since 1970) when the message was made, so that latency is now - stamp.
 `time_base` is on the events' own clock. The event buffers have a file of their own, `encodings`, and the
-word streams of two of them another, `words`: together they are too long for one page.
+word streams of two of them another, `word_stream`: together they are too long for one page.
 """
 
 from collections.abc import Mapping

@@ -18,11 +18,11 @@ from voltcam_simulator import Parameters, camera_names
 from voltcam_video import SourceRequest
 
 from .access import SourceRules, resolve_under
-from .bodies import body_of, camera_body, read_camera, read_model, read_object, refusal, refuses
 from .camera_settings import check_encoding
 from .cameras import CameraAnswer, Cameras, NoCameraError, RunningCamera
 from .problems import UsageError
 from .recorder import RecordingPlan, RecordingStatus
+from .request_body import body_of, camera_body, read_camera, read_model, read_object, refusal, refuses
 from .status import SourceStatus, State, Status
 
 POLICY_VIOLATION = 1008  # WebSocket close code

@@ -8,10 +8,10 @@ from pydantic import BaseModel
 from starlette.concurrency import run_in_threadpool
 
 from .access import SourceRules
-from .bodies import body_of, read_model, refuses
 from .camera_api import POLICY_VIOLATION, chosen_of
 from .cameras import Cameras, NoCameraError, RunningCamera
-from .diagnosis import DiagnosisRequest, DiagnosisState
+from .diagnosis_models import DiagnosisRequest, DiagnosisState
+from .request_body import body_of, read_model, refuses
 
 PUSH_PERIOD_S = 0.2
 

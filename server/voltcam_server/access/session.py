@@ -8,7 +8,7 @@ from collections import OrderedDict
 from fastapi import APIRouter, HTTPException, Request, Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from ..bodies import body_of, read_model, refuses
+from ..request_body import body_of, read_model, refuses
 from .tokens import Role, Tokens
 
 COOKIE = "voltcam_session"

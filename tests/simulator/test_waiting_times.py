@@ -7,8 +7,9 @@ import pytest
 from scipy import stats
 
 from voltcam_simulator import Parameters, Simulator
-from voltcam_simulator.ahead import catch_up, draw_ahead
+from voltcam_simulator.groups import AheadRows, Motion, Pixels, Step
 from voltcam_simulator.random import AHEAD, BACK, interval_key
+from voltcam_simulator.waiting_times import catch_up, draw_ahead
 
 from .scenes import Events, intervals_us, only
 
@@ -23,31 +24,32 @@ def test_who_has_fired_and_where_the_others_stand(
     """At a share of the mean time to the barrier, d away: a path that has not met it is where its density is
     N(z - m t) - exp(2 m d / sigma^2) N(z - 2 d - m t), z towards the barrier."""
     n, sigma, span, now = 100_000, 1.6e-4, 1000.0, 4096.0
-    voltage, since, due = np.full(n, start, np.float32), np.zeros(n, np.float32), np.zeros(n, np.float32)
-    drift, noise, a, b = (np.full(n, value, np.float32) for value in (mu * span, sigma, above, below))
-    quiet, ahead, begun = np.full(1, 99, np.int32), np.zeros(1, np.bool_), np.zeros(1, np.float32)
-    motion = np.zeros((n, 2), np.float32)
-    draw_ahead(
-        quiet, ahead, begun, voltage, since, due, motion, drift, noise, span, a, b,
-        interval_key(1, AHEAD, 0), 0, now,
-    )  # fmt: skip
-    assert ahead.all()
-    quiet[:] = 0
+    pixels = Pixels(*(np.full(n, value, np.float32) for value in (start, 0, 0, above, below)))
+    motion = Motion(*(np.full(n, value, np.float32) for value in (mu * span, sigma)))
+    rows = AheadRows(
+        still_steps=np.full(1, 99, np.int32),
+        ahead=np.zeros(1, np.bool_),
+        drawn_us=np.zeros(1, np.float32),
+        since_us=np.zeros(n, np.float32),
+        due_us=np.zeros(n, np.float32),
+        motion=np.zeros((n, 2), np.float32),
+    )
+    draw_ahead(*rows, *pixels, *motion, *Step(interval_key(1, AHEAD, 0), span, 0.0, 0, n), now)
+    assert rows.ahead.all()
+    rows.still_steps[:] = 0
     distance = above - start if mu > 0 else start + below
     passed = round(share * distance / abs(mu))
-    catch_up(
-        quiet, ahead, begun, voltage, since, due, motion, a, b, interval_key(1, BACK, 0), 0, now + passed
-    )
-    assert not ahead.any()
+    catch_up(*rows, *pixels, interval_key(1, BACK, 0), 0, now + passed)
+    assert not rows.ahead.any()
     towards, spread = abs(mu) * passed, sigma * math.sqrt(passed)
 
     def unfired(z: np.ndarray) -> np.ndarray:
         image = 2 * abs(mu) * distance / sigma**2 + stats.norm.logcdf(z - 2 * distance, towards, spread)
         return stats.norm.cdf(z, towards, spread) - np.exp(image)
 
-    waiting = due > now + passed
+    waiting = rows.due_us > now + passed
     assert stats.binomtest(int(waiting.sum()), n, float(unfired(np.array(distance)))).pvalue > P_LIMIT
-    z = (voltage[waiting] - start) * np.sign(mu)
+    z = (pixels.voltage[waiting] - start) * np.sign(mu)
     assert stats.kstest(z, lambda z: unfired(z) / unfired(np.array(distance))).pvalue > P_LIMIT
 
 

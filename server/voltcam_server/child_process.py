@@ -20,7 +20,7 @@ os.execvp(sys.argv[3], sys.argv[3:])
 """
 
 
-class Child:
+class ChildProcess:
     """Runs `command`, `nice` by 0 to 19; what it says on standard error goes to the file `log`.
 
     It ends with the thread that made it, which must follow it to its end, and so with the daemon.

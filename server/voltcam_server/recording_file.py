@@ -7,19 +7,19 @@ from pathlib import Path
 from voltcam_client.formats import RecordingError, open_writer
 from voltcam_client.formats.npz import PARTIAL
 
-from .interval import Interval, Origin, Start
+from .interval import Interval, SimulationSetup, Start
 from .manifest import ManifestWriter
 
 
-class Part:
-    """A file without gaps. Raises FormatError or RecordingError when it cannot be made."""
+class RecordingFile:
+    """A file of a recording, without gaps. Raises FormatError or RecordingError when it cannot be made."""
 
-    def __init__(self, path: Path, origin: Origin) -> None:
+    def __init__(self, path: Path, setup: SimulationSetup) -> None:
         self.path = path
         self.frames = 0
         self.size_bytes = 0
-        self._origin = origin
-        self._writer = open_writer(path, width=origin.camera.width, height=origin.camera.height)
+        self._setup = setup
+        self._writer = open_writer(path, width=setup.camera.width, height=setup.camera.height)
         self._manifest: ManifestWriter | None = None
         self._first_us, self._last_us = 0, 0
         self._error: RecordingError | None = None
@@ -51,7 +51,7 @@ class Part:
         """start: with the first. Raises RecordingError, ValueError or OSError."""
         if self._manifest is None:
             assert start is not None
-            self._manifest = ManifestWriter(self.path, self._origin, start)
+            self._manifest = ManifestWriter(self.path, self._setup, start)
             self._first_us = interval.frame_us
         self._writer.events(interval.events)
         self._writer.frame(interval.image_u8, interval.frame_us)
