@@ -1,4 +1,4 @@
-"""docs/add-an-effect.md, followed to the letter on a copy of the package."""
+"""docs/how-to/add-an-effect.md, followed to the letter on a copy of the package."""
 
 import os
 import re
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import voltcam_simulator
 
-PAGE = Path(__file__).parents[2] / "docs" / "add-an-effect.md"
+PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "add-an-effect.md"
 
 
 def test_the_page_adds_an_effect(tmp_path: Path) -> None:
