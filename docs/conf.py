@@ -1,15 +1,57 @@
 """How the site is made of these pages: `make docs`."""
 
+import sys
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from docutils import nodes
+from latex2mathml.converter import convert
+from sphinx.application import Sphinx
+
+sys.path.insert(0, str(Path(__file__).parent))
+import from_code
+
 project = "Voltcam"
 copyright = "Voltcam's authors, Apache 2.0"
-html_title = "Voltcam"
+release = metadata.version("voltcam")
+html_title = f"Voltcam {release}"
 
 extensions = ["myst_parser", "sphinx.ext.autodoc"]
-exclude_patterns = ["_build"]
 nitpicky = True
+# Other libraries' names in our signatures: this site has no page for them.
+nitpick_ignore_regex = [("py:.*", r"(np|npt|numpy|pydantic|collections|pathlib|typing|argparse|zmq)\..*")]
 
 # Markdown as a forge shows it: headings are anchors, formulas stand between dollars.
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
 
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+python_use_unqualified_type_names = True
+
 html_theme = "furo"
+html_favicon = "../server/voltcam_server/web/icon.svg"
+html_math_renderer = "mathml"
+html_copy_source = False
+
+
+def fill(_: Sphinx, __: str, source: list[str]) -> None:
+    """Put what the code says where a page asks for it."""
+    source[0] = from_code.filled(source[0])
+
+
+def formula(display: str) -> Any:
+    """Formulas as MathML, which browsers show by themselves: no script, nothing from elsewhere."""
+
+    def visit(translator: Any, node: nodes.Element) -> None:
+        translator.body.append(convert(node.astext(), display=display))
+        raise nodes.SkipNode
+
+    return visit, None
+
+
+def setup(app: Sphinx) -> None:
+    """Called by Sphinx."""
+    app.connect("source-read", fill)
+    app.add_html_math_renderer("mathml", formula("inline"), formula("block"))

@@ -84,14 +84,17 @@ def camera_routes(cameras: Cameras, rules: SourceRules, recordings: Path, least_
 
     @api.get("/camera", responses=refuses(404))
     async def get_camera(camera: RunningCamera = chosen) -> CameraAnswer:
+        """The sensor, how it is simulated, and where its packets are."""
         return camera.answer
 
     @api.get("/parameters", responses=refuses(404))
     async def get_parameters(camera: RunningCamera = chosen) -> ParametersAnswer:
+        """All parameters that hold now, nested by effect, and their version."""
         return _answer(camera.emulator.simulation.parameters)
 
     @api.get("/parameters/schema")
     async def get_parameters_schema() -> dict[str, Any]:
+        """JSON schema of all parameters: unit, limits, default, meaning and source of each."""
         return Parameters.model_json_schema()
 
     @api.patch("/parameters", openapi_extra=body_of(Parameters), responses=refuses(400, 404, 413, 422))
@@ -127,6 +130,7 @@ def camera_routes(cameras: Cameras, rules: SourceRules, recordings: Path, least_
 
     @api.get("/source", responses=refuses(404))
     async def get_source(camera: RunningCamera = chosen) -> SourceStatus:
+        """What the camera looks at: what was asked for, and what came of it."""
         return camera.emulator.source
 
     @api.put("/source", openapi_extra=body_of(SourceRequest), responses=refuses(400, 404, 409, 413, 422))
@@ -157,6 +161,7 @@ def camera_routes(cameras: Cameras, rules: SourceRules, recordings: Path, least_
 
     @api.get("/status", responses=refuses(404))
     async def get_status(camera: RunningCamera = chosen) -> Status:
+        """How the camera is: state, load, rates, latency, losses, transports, recording."""
         return camera.emulator.status
 
     return api

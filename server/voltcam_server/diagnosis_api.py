@@ -29,6 +29,7 @@ def diagnosis_routes(cameras: Cameras, rules: SourceRules) -> APIRouter:
 
     @api.get("", responses=refuses(404))
     async def get_diagnosis(camera: RunningCamera = chosen) -> DiagnosisState:
+        """How far the diagnosis is, and its result when it is done."""
         return camera.diagnosis.state
 
     @api.post(

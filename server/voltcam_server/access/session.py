@@ -64,6 +64,7 @@ def session_routes(tokens: Tokens, sessions: Sessions, secure: bool) -> APIRoute
 
     @api.get("", responses=refuses(403))
     async def get_session(request: Request) -> SessionAnswer:
+        """What the caller may do, and whether a token is needed for more."""
         return SessionAnswer(role=request.scope.get("voltcam_role"), needs_token=bool(tokens))
 
     @api.post("", openapi_extra=body_of(SessionRequest), responses=refuses(400, 401, 403, 413, 422))
