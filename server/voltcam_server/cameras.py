@@ -90,6 +90,7 @@ class RunningCamera:
         settings = plan.settings
         zeromq = ZeroMQTransport(settings.zmq, settings.encoding, around.keys)
         websockets = WebSocketTransport(around.page)
+        transports: list[Transport] = [zeromq, websockets]
         emulator = Emulator(
             plan.camera,
             settings.source,
@@ -98,13 +99,13 @@ class RunningCamera:
             upsample=settings.upsample,
             packets=settings.packets,
             overload=settings.overload,
-            transports=[zeromq, websockets],
+            transports=transports,
             clock=around.clock,
             on_status=lambda status: around.on_status(plan.name, status),
             on_failure=around.on_failure,
         )
         diagnosis = Diagnosis(emulator, zeromq.endpoint)
-        return cls(plan, emulator, diagnosis, websockets, zeromq.endpoint, [zeromq, websockets])
+        return cls(plan, emulator, diagnosis, websockets, zeromq.endpoint, transports)
 
     def start(self) -> None:
         """Open the source, and go. Raises UsageError; `stop` is due in any case."""

@@ -1,4 +1,4 @@
-"""`voltcam evaluate`: models against recordings, and the paper's figures, into docs/how-it-works/evaluation.md."""
+"""`voltcam evaluate`: models against recordings, and the paper's figures; writes evaluation.md."""
 
 import argparse
 import sys
