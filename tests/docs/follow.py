@@ -30,7 +30,7 @@ _LINE = re.compile(r"[Ii]n `([\w./-]+)`,\s+(before|after)\s+`([^`]+)`:$")
 
 @dataclass(frozen=True)
 class Followed:
-    """A copy of the repository in which a page was followed. commands: the page's blocks of `sh`, not yet run."""
+    """A copy of the repository with a page followed. commands: the page's blocks of `sh`, not yet run."""
 
     root: Path
     commands: list[str]
@@ -40,7 +40,10 @@ class Followed:
         """In which the copy's packages come before the installed ones."""
         paths = os.pathsep.join(str(self.root / folder) for folder in CODE)
         scripts = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-        return os.environ | {"PYTHONPATH": paths, "PATH": scripts}
+        own = {"PYTHONPATH": paths, "PATH": scripts}
+        if (self.root / "simulator").exists():  # its kernels, which nobody else will run
+            own["XDG_CACHE_HOME"] = str(self.root / "cache")
+        return os.environ | own
 
     def run(self, command: str) -> str:
         """What a command of the shell prints; it must succeed."""

@@ -17,7 +17,8 @@ class SourceError(Exception):
 class Granted(TypedDict):
     """What a source turned out to be; None is what it does not know.
 
-    kind: of source, in a word. frames: as announced; containers without an index estimate it from their duration.
+    kind: of source, in a word. frames: as announced; containers without an index estimate it from their
+    duration.
     clock: where the stamps come from. kernel: the driver's, of the moment of capture; arrival: when we got
     the frame; recording: the recording's own.
     """
