@@ -19,8 +19,13 @@ html_title = f"Voltcam {release}"
 
 extensions = ["myst_parser", "sphinx.ext.autodoc"]
 nitpicky = True
-# Other libraries' names in our signatures: this site has no page for them.
-nitpick_ignore_regex = [("py:.*", r"(np|npt|numpy|pydantic|collections|pathlib|typing|argparse|zmq)\..*")]
+# This site has no page for other libraries' names in our signatures, and effects are on the page of parameters.
+nitpick_ignore_regex = [
+    ("py:.*", r"(np|npt|numpy|pydantic|collections|pathlib|typing|argparse|zmq)\..*"),
+    ("py:.*", r"voltcam_simulator\.effects?\..*"),
+    ("py:.*", r"voltcam_client\.camera\.Message"),
+    ("py:.*", r"voltcam_simulator\.pixel_array\.Pattern"),
+]
 
 # Markdown as a forge shows it: headings are anchors, formulas stand between dollars.
 myst_enable_extensions = ["dollarmath"]

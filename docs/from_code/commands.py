@@ -1,7 +1,6 @@
 """Every command, as its parser knows it."""
 
 import argparse
-from collections.abc import Iterator
 from importlib import metadata
 
 from voltcam_client.cli import OWN_COMMANDS, SUMMARIES
@@ -9,40 +8,42 @@ from voltcam_client.cli import OWN_COMMANDS, SUMMARIES
 from .markdown import code, name, plain, sentence, table
 
 
-def parsers() -> Iterator[tuple[str, str, argparse.ArgumentParser]]:
-    """Name, the extra that it needs, and parser of each command; first those of the bare install."""
-    for command, (summary, configure) in OWN_COMMANDS.items():
-        yield command, "", _parser(command, summary, configure)
-    entries = {entry.name: entry for entry in metadata.entry_points(group="voltcam.commands")}
-    for command in sorted(entries, key=list(SUMMARIES).index):
-        extra = "".join(entries[command].extras)
-        yield command, extra, _parser(command, SUMMARIES[command], entries[command].load())
+def names() -> list[str]:
+    """Of all commands; first those of the bare install."""
+    added = {entry.name for entry in metadata.entry_points(group="voltcam.commands")}
+    return [*OWN_COMMANDS, *(name for name in SUMMARIES if name in added)]
 
 
-def _parser(command: str, summary: str, configure) -> argparse.ArgumentParser:
+def parser_of(command: str) -> argparse.ArgumentParser:
+    """The parser of one command, as `voltcam` makes it. Raises KeyError for one that there is not."""
+    configure = OWN_COMMANDS[command][1] if command in OWN_COMMANDS else _entry(command).load()
     parser = argparse.ArgumentParser(
-        prog=f"voltcam {command}", description=summary, formatter_class=argparse.RawDescriptionHelpFormatter
+        prog=f"voltcam {command}",
+        description=summary_of(command),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     configure(parser)
     return parser
 
 
+def _entry(command: str) -> metadata.EntryPoint:
+    return metadata.entry_points(group="voltcam.commands")[command]
+
+
+def extra_of(command: str) -> str:
+    """What must be installed for it beside the bare install."""
+    extras = "" if command in OWN_COMMANDS else "".join(_entry(command).extras)
+    return f"voltcam[{extras}]" if extras else "voltcam"
+
+
 def chapter() -> str:
     """A section for each command."""
-    every = list(parsers())
     rows = [
-        (
-            f"[`voltcam {command}`](#voltcam-{command})",
-            plain(summary_of(command)),
-            name(f"voltcam[{extra}]") if extra else "`voltcam`",
-        )
-        for command, extra, _ in every
+        (f"[`voltcam {command}`](#voltcam-{command})", plain(summary_of(command)), name(extra_of(command)))
+        for command in names()
     ]
-    return (
-        table(("command", "does", "comes with"), rows)
-        + "\n"
-        + "\n\n".join(_section(parser) for _, _, parser in every)
-    )
+    sections = [_section(parser_of(command)) for command in names()]
+    return "\n\n".join([table(("command", "does", "comes with"), rows), *sections])
 
 
 def summary_of(command: str) -> str:

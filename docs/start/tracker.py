@@ -35,10 +35,12 @@ def record(**changes):
 def track(events, window_us=10_000):
     """The mean place of the events of each window: times (N,) in us, x and y (N,) in pixels."""
     window = events["t"] // window_us
+    first = window[0]
+    window -= first
     count = np.bincount(window)
     seen = count > 0
     x, y = (np.bincount(window, events[axis])[seen] / count[seen] for axis in ("x", "y"))
-    return (np.flatnonzero(seen) + 0.5) * window_us, x, y
+    return (first + np.flatnonzero(seen) + 0.5) * window_us, x, y
 
 
 def error_px(events):
