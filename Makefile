@@ -14,8 +14,8 @@ MINUTES ?= 60
 # Of fuzz: how long.
 SECONDS ?= 600
 
-# Of docs: every warning is an error; all of them are told before it ends.
-STRICT := --nitpicky --fail-on-warning --keep-going --quiet
+# Of docs: a warning is an error, and all are told. All pages are made anew, since code may have changed.
+STRICT := --fresh-env --nitpicky --fail-on-warning --keep-going --quiet
 
 .PHONY: run test check docs docs-serve format hidden-effects patches soak fuzz clean calibration-table
 

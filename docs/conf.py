@@ -19,7 +19,7 @@ html_title = f"Voltcam {release}"
 
 extensions = ["myst_parser", "sphinx.ext.autodoc"]
 nitpicky = True
-# This site has no page for other libraries' names in our signatures, and effects are on the page of parameters.
+# Names in our signatures that have no entry here: other libraries', and effects, which have a page of theirs.
 nitpick_ignore_regex = [
     ("py:.*", r"(np|npt|numpy|pydantic|collections|pathlib|typing|argparse|zmq)\..*"),
     ("py:.*", r"voltcam_simulator\.effects?\..*"),
@@ -31,12 +31,15 @@ nitpick_ignore_regex = [
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
 
+default_role = "literal"  # of docstrings: `name` is code there, too
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 python_use_unqualified_type_names = True
 
 html_theme = "furo"
 html_favicon = "../server/voltcam_server/web/icon.svg"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
 html_math_renderer = "mathml"
 html_copy_source = False
 

@@ -35,30 +35,52 @@ SUFFIX_PATTERN = rf"\S({'|'.join(map(re.escape, SUFFIXES))})$"
 class CameraListAnswer(BaseModel):
     """A camera of the daemon and how it is."""
 
+    model_config = ConfigDict(use_attribute_docstrings=True)
+
     name: str
+    """for ?camera=NAME"""
+
     width: int
+    """pixels"""
+
     height: int
+    """pixels"""
+
     zmq: str
+    """where its packets are"""
+
     state: State
+    """how it is"""
+
     reason: str
+    """why, in one line, where it is not running"""
 
 
 class ParametersAnswer(BaseModel):
-    """parameters_version: that of the packets made with these parameters."""
+    """Parameters, and which they are."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
 
     parameters: Parameters
+    """all of them"""
+
     parameters_version: int
+    """that of the packets made with them"""
 
 
 class RecordingRequest(BaseModel):
-    """path: below the daemon's folder for recordings; its suffix is the format. rotate_bytes, rotate_s: a
-    file that has so much is ended, and NAME-002, NAME-003 and so on go on."""
+    """What to record into."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(use_attribute_docstrings=True, extra="forbid")
 
     path: str = Field(min_length=1, max_length=4096, json_schema_extra={"pattern": SUFFIX_PATTERN})
+    """below the daemon's folder for recordings; its suffix is the format"""
+
     rotate_bytes: int | None = Field(default=None, ge=1_000_000)
+    """a file of so many bytes is ended, and NAME-002 and so on go on"""
+
     rotate_s: float | None = Field(default=None, ge=1)
+    """the same, of so many seconds"""
 
 
 def chosen_of(cameras: Cameras) -> Callable[..., Any]:

@@ -5,7 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ConfigDict
 
 from voltcam_simulator import Camera, Law, Parameters
 from voltcam_video import Clock, SourceError
@@ -26,16 +26,33 @@ class NoCameraError(ValueError):
 
 
 class CameraAnswer(BaseModel):
-    """The sensor, how it is simulated, where its packets are. parameters: the camera's own, at the start."""
+    """The sensor, how it is simulated, and where its packets are."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
 
     name: str
+    """for ?camera=NAME"""
+
     width: int
+    """pixels"""
+
     height: int
+    """pixels"""
+
     law: Law
+    """when a pixel fires"""
+
     seed: int
+    """of its noise"""
+
     encoding: EncodingName
+    """of event packets, where none is asked for"""
+
     zmq: str
+    """where its packets are"""
+
     parameters: Parameters
+    """at the start"""
 
 
 @dataclass(frozen=True)

@@ -17,18 +17,24 @@ MOST_SESSIONS = 100  # the oldest ends for a new one
 
 
 class SessionRequest(BaseModel):
-    """token: of the daemon's file or environment."""
+    """Who asks."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(use_attribute_docstrings=True, extra="forbid")
 
     token: str = Field(min_length=1, max_length=1000)
+    """of the daemon's file or environment"""
 
 
 class SessionAnswer(BaseModel):
-    """role: what the caller may do; null: nothing but begin a session. needs_token: whether there are any."""
+    """What the caller may do."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
 
     role: Role | None
+    """view or control; null: nothing but begin a session"""
+
     needs_token: bool
+    """whether the daemon has tokens"""
 
 
 class Sessions:

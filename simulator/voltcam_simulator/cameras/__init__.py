@@ -16,7 +16,7 @@ SIDE_LIMIT = 8192
 
 
 class Camera(BaseModel):
-    """A sensor and its parameters."""
+    """A sensor: its name, its size in pixels (1 to 8192 a side), and its parameters."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
