@@ -18,18 +18,24 @@ ONE_OF_THEM: list[JsonValue] = [_only("reference"), _only("stream")]
 
 
 class DiagnosisRequest(BaseModel):
-    """reference: a recording on the daemon's host. stream: the ZeroMQ address of a camera that looks at the
-    same scene. seconds: of it to look at."""
+    """What to hold the camera against: a recording, or a second camera."""
 
     model_config = ConfigDict(
-        extra="forbid", json_schema_extra={"oneOf": [_only("reference"), _only("stream")]}
+        use_attribute_docstrings=True,
+        extra="forbid",
+        json_schema_extra={"oneOf": [_only("reference"), _only("stream")]},
     )
 
     reference: str | None = Field(default=None, min_length=1, max_length=4096)
+    """a recording on the daemon's host; this or stream"""
+
     stream: str | None = Field(
         default=None, pattern=r"^(tcp|ipc)://\S+$", max_length=4096, examples=["tcp://127.0.0.1:5561"]
     )
+    """ZeroMQ address of a camera that looks at the same scene; this or reference"""
+
     seconds: float = Field(default=10, gt=0, le=60)
+    """of it to look at, s"""
 
     @model_validator(mode="after")
     def _one_of_them(self) -> Self:
@@ -39,19 +45,33 @@ class DiagnosisRequest(BaseModel):
 
 
 class DiagnosisState(BaseModel):
-    """One diagnosis: what of, how far it is, what it found.
+    """One diagnosis: what of, how far it is, what it found."""
 
-    progress: sentences. figures: while gathering. error: in one line, when failed. result: result.json, when
-    done. folder: where its files are, on the daemon's host. acceptable, revertible: whether there is
-    something to accept or to revert.
-    """
+    model_config = ConfigDict(use_attribute_docstrings=True)
 
     state: Literal["idle", "gathering", "running", "done", "failed"] = "idle"
+    """how far it is"""
+
     reference: str = ""
+    """what the camera is held against"""
+
     progress: list[str] = []
+    """sentences, the newest last"""
+
     figures: Figures | None = None
+    """while gathering"""
+
     error: str = ""
+    """in one line, when failed"""
+
     result: dict[str, Any] | None = None
+    """result.json, when done"""
+
     folder: str = ""
+    """where its files are, on the daemon's host"""
+
     acceptable: bool = False
+    """whether there is something to accept"""
+
     revertible: bool = False
+    """whether there is something to revert"""

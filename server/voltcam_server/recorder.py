@@ -6,7 +6,7 @@ from collections import deque
 from dataclasses import dataclass
 from pathlib import Path
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ConfigDict
 
 from voltcam_client.formats import RecordingError, check_writable
 
@@ -34,16 +34,30 @@ class RecordingPlan:
 
 
 class RecordingStatus(BaseModel):
-    """Of all its files. path: of the newest. error: why it ended before it was told to; what was written
-    until then is kept. lost_intervals: that came while the disk was too slow; each file is without gaps."""
+    """A recording, with all its files."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
 
     path: str
+    """of the newest file"""
+
     recording: bool
+    """whether it runs"""
+
     files: int
+    """so far"""
+
     events: int
+    """written, in all files"""
+
     frames: int
+    """written, in all files"""
+
     lost_intervals: int
+    """that came while the disk was too slow; each file is without gaps"""
+
     error: str | None
+    """why it ended before it was told to; what was written until then is kept"""
 
 
 class Recorder:

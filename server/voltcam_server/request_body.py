@@ -4,7 +4,7 @@ import json
 from typing import Any, NoReturn, TypeVar
 
 import yaml
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect, Request
 
@@ -80,9 +80,12 @@ def refusal(error: ValidationError, model: type[BaseModel]) -> HTTPException:
 
 
 class Problem(BaseModel):
-    """Why a request was refused, and the remedy, in one line. Nothing has changed."""
+    """Why a request was refused. Nothing has changed."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
 
     detail: str
+    """what is wrong, and the remedy, in one line"""
 
 
 def refuses(*codes: int) -> dict[int | str, dict[str, Any]]:

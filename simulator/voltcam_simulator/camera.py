@@ -11,7 +11,7 @@ from .parameters import Parameters
 
 
 class Camera(SensorSize):
-    """A sensor and its parameters."""
+    """A sensor: its name, its size in pixels (1 to 8192 a side), and its parameters."""
 
     parameters: Parameters = Field(default_factory=Parameters)
 

@@ -23,10 +23,16 @@ LONGEST_INTERVAL_US = 2**TIME_BITS - 1
 
 
 class Simulator:
-    """A sensor of width x height pixels, by `law` "exact" (Brownian motion itself) or "paper".
+    """A sensor that takes frames and gives events (DVS-Voltmeter: Lin, Ma, Guo and Wen, ECCV 2022).
 
-    The same seed gives the same events, for any number of threads. `parameters` may be assigned between two
-    frames and hold for all that follows; voltages are kept.
+    - `width`, `height`: pixels, 1 to 8192.
+    - `parameters`: of all effects; None: the defaults. They may be assigned between two frames, and hold for
+      all that follows; voltages are kept.
+    - `law`: "exact", Brownian motion itself, or "paper", Algorithm 1 as published.
+    - `seed`: 0 to 2^63 - 1. The same seed and frames give the same events, for any number of threads.
+    - `threads`: that work on an interval.
+
+    Raises ValueError for a size, law or seed that cannot be.
     """
 
     def __init__(
