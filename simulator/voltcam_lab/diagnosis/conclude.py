@@ -29,7 +29,7 @@ from .result import (
     Stratum,
     Versions,
 )
-from .search import ALPHA, SIGNATURE, TWINS
+from .search import ALPHA, SIGNATURE
 from .session import Session
 from .trial import FITTING
 from .where import Ranked, View, ranked, views
@@ -63,7 +63,9 @@ def result_of(session: Session, told: Identifiability, diagnosis: Diagnosis) -> 
                 for one in told.effects
             ],
         ),
-        seeds=Seeds(seed=session.seed, twins=list(TWINS), signatures=list(SIGNATURE), fitting=list(FITTING)),
+        seeds=Seeds(
+            seed=session.seed, twins=list(last.spread.seeds), signatures=list(SIGNATURE), fitting=list(FITTING)
+        ),
         versions=Versions(
             voltcam=metadata.version("voltcam"), numpy=np.__version__, python=platform.python_version()
         ),

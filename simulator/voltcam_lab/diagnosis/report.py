@@ -12,7 +12,7 @@ from .identify import Identifiability, mixed_up, percent, short, smallest
 from .loop import Diagnosis
 from .result import Effect, Estimate, Result
 from .rig import Rig, Values
-from .search import TWINS, Step
+from .search import Step
 from .session import Session
 from .where import Ranked, View, gap_by_group, numbers, plain, ranked, views
 
@@ -176,7 +176,7 @@ def _from_events(session: Session, models: dict[str, View]) -> list[tuple[str, M
     rig = session.rig
     streams = {"measured": [rig.in_trusted_light(session.recording.events)]}
     for name, view in models.items():
-        runs = rig.events(view.model.parameters(), TWINS[:RUNS])
+        runs = rig.events(view.model.parameters(), view.spread.seeds[:RUNS])
         streams[name] = [rig.in_trusted_light(run) for run in runs]
     setting = rig.setting
     return [
