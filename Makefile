@@ -14,13 +14,13 @@ MINUTES ?= 60
 # Of fuzz: how long.
 SECONDS ?= 600
 
-.PHONY: run test check format hidden-effects patches soak fuzz clean calibration-table
+.PHONY: run test check format dist hidden-effects patches soak fuzz clean calibration-table
 
 run: .venv/installed-server
 	$(BIN)/voltcam serve
 
 test: .venv/installed-dev
-	$(BIN)/pytest
+	$(BIN)/pytest -n logical --dist loadgroup
 
 check: .venv/installed-dev
 	$(BIN)/ruff format --check .
@@ -28,6 +28,10 @@ check: .venv/installed-dev
 	$(BIN)/mypy
 	$(BIN)/pyright
 	$(BIN)/lint-imports
+
+# Wheel and sdist, checked, and used from an empty environment with each extra.
+dist: .venv/installed-dev
+	$(BIN)/python .ci/dist.py
 
 calibration-table: .venv/installed-dev
 	$(BIN)/python -m tests.lab.calibration_table
