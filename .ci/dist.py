@@ -120,7 +120,7 @@ def try_out(file: Path, extra: str) -> None:
         began_s = time.monotonic()
         venv.create(Path(folder, "venv"), with_pip=True)
         python = Path(folder, "venv", "bin", "python")
-        run(python, "-m", "pip", "install", "--quiet", f"{file.resolve()}{EXTRAS[extra]}")
+        run(python, "-m", "pip", "install", "--quiet", "--no-compile", f"{file.resolve()}{EXTRAS[extra]}")
         run(python, "-m", "pip", "check")
         installed_s = time.monotonic()
         run(python, "-I", FIRST_USE, extra, cwd=folder, XDG_CACHE_HOME=str(Path(folder, "cache")))
