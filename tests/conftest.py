@@ -5,7 +5,7 @@ import pytest
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Files run in one process each, whose fixtures are made once; those that share a diagnosis in another."""
+    """A file runs in one process, so that its fixtures are made once; so do all that share a diagnosis."""
     for item in items:
         together = "diagnosis" if "done" in getattr(item, "fixturenames", ()) else str(item.path)
         item.add_marker(pytest.mark.xdist_group(together))
