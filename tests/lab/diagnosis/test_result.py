@@ -73,11 +73,13 @@ def test_strata_are_ranked_and_their_intervals_hold_the_effect(result: Result) -
         if one.unit == "share":
             assert one.effect.low >= -1
     holes = [one for one in result.where if one.strata.get("interval") == "2 to 5 ms" and one.group == "B"]
+    assert holes
     assert all(one.effect.value < -0.5 for one in holes)
 
 
 def test_counts_are_numbers_of_events(done: Done, result: Result) -> None:
     measured = {one.statistic + str(one.strata): one.measured for one in result.where if one.unit == "share"}
+    assert measured
     assert all(abs(number - round(number)) < 1e-6 for number in measured.values())
 
 
