@@ -17,13 +17,13 @@ SECONDS ?= 600
 # Of docs: a warning is an error, and all are told. All pages are made anew, since code may have changed.
 STRICT := --fresh-env --nitpicky --fail-on-warning --keep-going --quiet
 
-.PHONY: run test check docs docs-serve format hidden-effects patches soak fuzz clean calibration-table
+.PHONY: run test check docs docs-serve format dist hidden-effects patches soak fuzz clean calibration-table
 
 run: .venv/installed-server
 	$(BIN)/voltcam serve
 
 test: .venv/installed-dev
-	$(BIN)/pytest
+	$(BIN)/pytest -n logical --dist loadgroup
 
 check: .venv/installed-dev
 	$(BIN)/ruff format --check .
@@ -31,6 +31,10 @@ check: .venv/installed-dev
 	$(BIN)/mypy
 	$(BIN)/pyright
 	$(BIN)/lint-imports
+
+# Wheel and sdist, checked, and used from an empty environment with each extra.
+dist: .venv/installed-dev
+	$(BIN)/python .ci/dist.py
 
 calibration-table: .venv/installed-dev
 	$(BIN)/python -m tests.lab.calibration.calibration_table
