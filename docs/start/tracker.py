@@ -1,6 +1,6 @@
 """A blob tracker, tried on a simulated camera: docs/start/test-your-algorithm.md, as one script.
 
-    .venv/bin/python docs/start/tracker.py
+.venv/bin/python docs/start/tracker.py
 """
 
 import numpy as np
