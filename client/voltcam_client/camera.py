@@ -173,7 +173,7 @@ class Stream(Generic[Message]):
 class EventCamera(Stream[Packet]):
     """The event packets of the Voltcam daemon at a ZeroMQ address.
 
-    - `url`: tcp://HOST:PORT.
+    - `url`: `tcp://HOST:PORT`.
     - `timeout_s`: how long iterating waits for a packet; None: for ever.
     - `queue_length`: packets that wait here for a reader slower than the camera. More are dropped, and show
       in `lost_packets`.

@@ -21,7 +21,7 @@ Json = dict[str, Any]
 class Control:
     """The Voltcam daemon at an HTTP address.
 
-    - `url`: http://HOST:PORT, or https.
+    - `url`: `http://HOST:PORT`, or https.
     - `timeout_s`: how long it waits for an answer; for that to a change 90 s at least.
     - `token`: of a daemon that asks for one; None: that of VOLTCAM_TOKEN.
     - `camera`: which, of a daemon that has several; None: its first.

@@ -10,6 +10,8 @@ import io
 import os
 import signal
 import sys
+import threading
+import time
 from pathlib import Path
 from typing import TextIO
 
@@ -21,18 +23,29 @@ from voltcam_client.cli import main
 
 INPUTS = ("input", "recording", "file", "source", "camera", "config")
 BEGUN, BY_CTRL_C = "Ctrl-C ends it", 130
+RECORDED_S, FRAMES_BYTES = 20.0, 80  # ten frames, at most so long
 
 
 class UntilItHasBegun(io.TextIOBase):
-    """Standard output that ends a daemon when it says that it has begun."""
+    """Standard output that ends a daemon when it says that it has begun, and has recorded some frames."""
 
-    def __init__(self, out: TextIO) -> None:
-        self.out = out
+    def __init__(self, out: TextIO, record: str | None) -> None:
+        self.out, self.record = out, record
 
     def write(self, text: str) -> int:
         if BEGUN in text:
-            os.kill(os.getpid(), signal.SIGINT)
+            threading.Thread(target=self._end, daemon=True).start()
         return self.out.write(text)
+
+    def _end(self) -> None:
+        if self.record is not None:
+            frames = Path(f"{self.record}.partial", "frame_t_us.bin")
+            until_s = time.monotonic() + RECORDED_S
+            while time.monotonic() < until_s and not (
+                frames.exists() and frames.stat().st_size >= FRAMES_BYTES
+            ):
+                time.sleep(0.05)
+        os.kill(os.getpid(), signal.SIGINT)
 
     def flush(self) -> None:
         self.out.flush()
@@ -47,13 +60,13 @@ def run(arguments: list[str]) -> int:
     if "overwrite" in given:
         arguments = [*arguments, "--overwrite"]
     if arguments[0] == "serve" or (arguments[0] == "replay" and not given.verify):
-        return _begin_and_end(arguments)
+        return _begin_and_end(arguments, given)
     return main(arguments)
 
 
-def _begin_and_end(arguments: list[str]) -> int:
+def _begin_and_end(arguments: list[str], given: argparse.Namespace) -> int:
     """A daemon that begins has done what the page says, whether Ctrl-C finds it ready or not quite."""
-    sys.stdout = UntilItHasBegun(sys.stdout)
+    sys.stdout = UntilItHasBegun(sys.stdout, getattr(given, "record", None))
     # Of an option that is given twice the last counts.
     status = main([*arguments, "--http", "127.0.0.1:0", "--zmq", "tcp://127.0.0.1:0"])
     return 0 if status == BY_CTRL_C else status
