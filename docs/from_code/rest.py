@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from voltcam_server.bodies import REASONS
+from voltcam_server.request_body import REASONS
 
 from voltcam_server.access import AccessSettings, SourceRules, Tokens
 from voltcam_server.api import Access, create_app
