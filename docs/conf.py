@@ -24,7 +24,7 @@ nitpick_ignore_regex = [
     ("py:.*", r"(np|npt|numpy|pydantic|collections|pathlib|typing|argparse|zmq)\..*"),
     ("py:.*", r"voltcam_simulator\.effects?\..*"),
     ("py:.*", r"voltcam_client\.camera\.Message"),
-    ("py:.*", r"voltcam_simulator\.pixel_array\.Pattern"),
+    ("py:.*", r"voltcam_simulator\.fixed_pattern\.FixedPattern"),
 ]
 
 # Markdown as a forge shows it: headings are anchors, formulas stand between dollars.
