@@ -17,7 +17,8 @@ class BandStepper:
     """Takes bands through steps, by a law and the effects of a pattern."""
 
     def __init__(self, law: Law, pattern: FixedPattern) -> None:
-        self._law, self._sensor = law, pattern.sensor
+        self._law: Law = law
+        self._sensor = pattern.sensor
         self._reset = Reset(pattern.sensor.refractory_us, pattern.sensor.reset_sigma)
         self._see, self._respond, self._drift = (
             [effect for effect in pattern.effects if overrides(effect, stage)]
