@@ -7,7 +7,7 @@ from typing import Any
 import yaml
 from pydantic import BaseModel, ConfigDict, Field
 
-_NAMED = files(__package__) / "cameras"
+_NAMED = files("voltcam_simulator") / "cameras"
 
 SIDE_LIMIT = 8192
 """Pixels a side: an event keeps 13 bits for each coordinate while it is sorted."""
