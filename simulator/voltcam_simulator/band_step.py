@@ -6,7 +6,7 @@ from .band_state import BandState
 from .crossings import cross
 from .effect import Band, Image, overrides
 from .fixed_pattern import FixedPattern
-from .groups import Reset, Step
+from .groups import Reset
 from .kicks import kicks_of
 from .law import Law
 from .out_of_reach import accumulate, add_response
@@ -17,7 +17,8 @@ class BandStepper:
     """Takes bands through steps, by a law and the effects of a pattern."""
 
     def __init__(self, law: Law, pattern: FixedPattern) -> None:
-        self._law, self._sensor = law, pattern.sensor
+        self._law: Law = law
+        self._sensor = pattern.sensor
         self._reset = Reset(pattern.sensor.refractory_us, pattern.sensor.reset_sigma)
         self._see, self._respond, self._drift = (
             [effect for effect in pattern.effects if overrides(effect, stage)]
@@ -50,7 +51,8 @@ class BandStepper:
         """Follow a band's voltages over the step that it has seen; its event keys go into its workspace."""
         band, pixels, motion, workspace = state.band, state.pixels, state.motion, state.workspace
         add_response(band.light, band.response, band.drift, state.light, state.response)
-        step = Step(key, band.span_us, offset_us, state.first_pixel, state.width)
+        # The fields of a `Step`: a plain tuple is made 0.3 us sooner, which a small sensor feels.
+        step = key, band.span_us, offset_us, state.first_pixel, state.width
         if self._law == "paper":
             workspace.draw(
                 band.drift.size, lambda done, keys: cross_by_paper(*pixels, *motion, *step, done, keys)
@@ -63,7 +65,7 @@ class BandStepper:
             by_row += kicks.sizes.sum(axis=0)[:, None]
             in_reach = pixels._replace(above=pixels.above - kicks.slack, below=pixels.below - kicks.slack)
         near, reset, careful = workspace.near, self._reset, state.has_held or kicks is not state.no_kicks
-        count = accumulate(*in_reach, *motion, step.span_us, step.width, state.rows.ahead, near)
+        count = accumulate(*in_reach, *motion, band.span_us, state.width, state.rows.ahead, near)
         workspace.draw(count, lambda done, keys: cross(
             *pixels, *motion, *step, *reset, *kicks, careful, near, done, count, keys,
         ))  # fmt: skip

@@ -30,8 +30,8 @@ class PixelArray:
     """State of width x height pixels, and what happens to it from one instant to the next."""
 
     def __init__(self, width: int, height: int, law: Law, seed: int, threads: int) -> None:
-        self.law: Law = law
         self.width, self.height, self.seed = width, height, seed
+        self.law: Law = law
         pixels = width * height
         self.voltage = np.zeros(pixels, np.float32)
         self._pending = np.zeros(pixels, np.float32)
