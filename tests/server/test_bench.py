@@ -1,19 +1,38 @@
-"""What speed is measured on; the measuring itself is `voltcam bench`, not a test."""
+"""What `voltcam bench` measures, on a small scene and by a clock of the test's own."""
 
-from functools import partial
+import json
+from collections.abc import Callable
+from itertools import count
+from typing import Any
 
-from voltcam_server.bench import Figure, plan
+import numpy as np
+import pytest
+
+from voltcam_server import bench
+from voltcam_server.bench import Figure, cost_per_event, speed, timed
 from voltcam_server.bench_scene import moving, noisy
 from voltcam_simulator import Parameters, Simulator
+
+PAPER = Parameters.of("paper")
+
+
+def ticking(step_s: float) -> Callable[[], float]:
+    """A clock that is `step_s` further each time it is read."""
+    ticks = count()
+    return lambda: step_s * next(ticks)
+
+
+def events_of(frames: np.ndarray, period_us: int, parameters: Parameters = PAPER) -> int:
+    height, width = frames[0].shape
+    simulator = Simulator(width, height, parameters, seed=1)
+    return sum(simulator.advance(frame, period_us * i).size for i, frame in enumerate(frames))
 
 
 def test_the_scene_is_the_one_that_others_were_measured_on() -> None:
     frames = moving(20, 346, 260)
     assert frames.shape == (20, 260, 346)
     assert 0.84 < (frames[1:] != frames[:-1]).mean() < 0.89
-    simulator = Simulator(346, 260, Parameters.of("paper"), seed=1)
-    events = sum(simulator.advance(frame, 4167 * i).size for i, frame in enumerate(frames))
-    assert 0.17 < events / frames[1:].size < 0.22
+    assert 0.17 < events_of(frames, 4167) / frames[1:].size < 0.22
 
 
 def test_the_webcam_has_noise_of_two_grey_levels() -> None:
@@ -28,7 +47,42 @@ def test_a_figure_is_its_median_and_spread() -> None:
     ]  # fmt: skip
 
 
-def test_every_figure_of_the_plan_is_another() -> None:
-    """Planned, not measured: measuring takes a minute and belongs to the command."""
-    names = [step.args[0] for step in plan() if isinstance(step, partial) and isinstance(step.args[0], str)]
-    assert len(names) == len(set(names)) == 12
+def test_each_repeat_is_timed_and_events_are_of_one() -> None:
+    frames = moving(6, 48, 36)
+    seconds, events = timed(frames, 240, PAPER, clock=ticking(0.25))
+    assert seconds == [0.25] * bench.REPEATS
+    assert events == pytest.approx(events_of(frames, 4167), rel=0.2)  # each repeat draws numbers of its own
+
+
+def test_speed_is_pixels_over_seconds(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bench, "timed", lambda *_: ([0.5, 1.0, 2.0], 4320.0))
+    (figure,) = speed("small", moving(6, 48, 36), 240, PAPER)
+    pixels = 5 * 48 * 36
+    assert (figure.median, figure.least, figure.most) == (pixels / 1e6, pixels / 2e6, pixels / 0.5e6)
+    assert figure.remark == "0.500 events/pixel"
+
+
+def test_an_event_costs_the_difference_of_two_thresholds(monkeypatch: pytest.MonkeyPatch) -> None:
+    def by_threshold(_frames: object, _fps: float, parameters: Parameters) -> tuple[list[float], float]:
+        return ([3.0], 3e8) if parameters.comparator.theta_on == 1 else ([1.0], 1e8)
+
+    monkeypatch.setattr(bench, "timed", by_threshold)
+    assert cost_per_event(moving(2, 48, 36), PAPER)[0].median == pytest.approx(10)
+
+
+def test_all_of_the_plan_is_measured_and_no_two_figures_have_one_name(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Small and once; `start`, which compiles everything anew, stays with the command."""
+    monkeypatch.setattr(bench, "SIZES", {"40x30": (40, 30, 3)})
+    monkeypatch.setattr(bench, "REPEATS", 1)
+    monkeypatch.setattr(bench, "STILL_FRAMES", 4)
+    monkeypatch.setattr(bench, "moving", lambda frames, *_: moving(min(frames, 17), 40, 30))
+    monkeypatch.setattr(bench, "start", lambda: [Figure.of("start", [1.0], "s")])
+    monkeypatch.setattr(bench, "machine", lambda: [Figure.of("limit", [1.0], "GB/s")])
+    arguments: Any = type("Arguments", (), {"json": True})
+    assert bench.run(arguments) == 0
+    figures = json.loads(capsys.readouterr().out)
+    names = [figure["name"] for figure in figures]
+    assert len(set(names)) == len(names) == 14
+    assert all(np.isfinite(figure["median"]) for figure in figures)

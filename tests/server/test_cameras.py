@@ -10,13 +10,14 @@ import httpx
 import numpy as np
 import pytest
 import yaml
+from tests.ports import free_port
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from voltcam_client import Control, ControlError, EventCamera
 from voltcam_client.packet import decode_message
 
-from .rig import PATIENCE_S, Daemon, free_port, moving_frames, save_frames, tiny, until, voltcam
+from .rig import PATIENCE_S, Daemon, moving_frames, save_frames, tiny, until, voltcam
 
 SCENE = {"uri": "scene", "width": 48, "height": 32, "fps": 100}
 

@@ -190,11 +190,11 @@ def test_ending_does_not_wait_for_a_source_that_hangs() -> None:
     ):
         listener.wait(lambda it: it.frames)
         uri = f"http://127.0.0.1:{silent.getsockname()[1]}/"
-        looking = pool.submit(emulator.look_at, SourceRequest(uri=uri, timeout_s=20))
+        looking = pool.submit(emulator.look_at, SourceRequest(uri=uri, timeout_s=60))
         silent.settimeout(PATIENCE_S)
         connection, _ = silent.accept()
         began_s = time.monotonic()
         emulator.stop()
-        assert time.monotonic() - began_s < 10
+        assert time.monotonic() - began_s < PATIENCE_S  # half of what the source may take
         assert isinstance(looking.exception(), SourceError)
         connection.close()

@@ -3,7 +3,6 @@
 import os
 import signal
 import subprocess
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -170,10 +169,8 @@ def test_a_signal_ends_it_with_a_whole_file(tmp_path: Path, number: int) -> None
     spooled = tmp_path / "out.npz.partial" / "events.bin"
     until(lambda: spooled.exists() and spooled.stat().st_size, "events are written")
     process.send_signal(number)
-    began_s = time.monotonic()
     words, errors = process.communicate(timeout=PATIENCE_S)
     assert (process.returncode, errors) == (0, "")
-    assert time.monotonic() - began_s < 10
     assert f"{read(output).events.size} events from" in words
 
 

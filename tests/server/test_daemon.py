@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import yaml
 import zmq
+from tests.ports import free_port
 from websockets.sync.client import connect
 
 from voltcam_client import Control, ControlError, EventCamera
@@ -21,7 +22,7 @@ from voltcam_client.formats import read
 from voltcam_client.packet import Packet, decode_message
 from voltcam_simulator.effects.junction_leak import arrhenius
 
-from .rig import PATIENCE_S, Daemon, free_port, save_frames, until, voltcam, voltcam_path
+from .rig import PATIENCE_S, Daemon, save_frames, until, voltcam, voltcam_path
 
 WIDTH, HEIGHT = 64, 48
 README = Path(__file__).parents[2] / "README.md"

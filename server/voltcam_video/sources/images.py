@@ -34,6 +34,10 @@ class ImagesSource(RecordedSource):
             clock="recording",
         )
 
+    @classmethod
+    def reads(cls, request: SourceRequest) -> bool:
+        return request.path is not None and request.path.is_dir()
+
     def _take(self) -> Iterator[Frame]:
         for image in self._listed:
             yield Frame(_read_image(image.path), image.t_us)

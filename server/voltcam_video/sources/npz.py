@@ -59,6 +59,10 @@ class NpzSource(RecordedSource):
             clock="recording",
         )
 
+    @classmethod
+    def reads(cls, request: SourceRequest) -> bool:
+        return request.path is not None and request.uri.endswith(".npz")
+
     def _check_names(self, archive: zipfile.ZipFile) -> None:
         found = set(array_names(archive))
         if not {"frames", "t_us"} <= found:

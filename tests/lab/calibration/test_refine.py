@@ -8,7 +8,7 @@ import pytest
 from tests.generator import Effect, draw_scene, record
 from tests.generator.base import Base
 
-from voltcam_lab.calibration.refine.coordinates import parameters_at, point_of, response
+from voltcam_lab.calibration.refine.coordinates import ABSENT, PLACES, parameters_at, point_of, response
 from voltcam_lab.calibration.refine.goal import Goal
 from voltcam_lab.calibration.refine.refine import Refined, refine
 from voltcam_lab.calibration.refine.replay import Replay
@@ -100,7 +100,11 @@ def test_parameters_are_those_of_the_camera(refined: Refined) -> None:
 
 def test_what_is_not_there_is_not_kept(refined: Refined) -> None:
     assert not {"pairs_hz", "hot", "k4_per_us", "k5_per_dn_us"} & set(refined.kept)
-    assert set(refined.kept).isdisjoint(refined.dropped)
+    assert {*refined.kept, *refined.dropped} == set(ABSENT)
+    for name, absent in ABSENT.items():
+        effect, parameter = PLACES[name]
+        is_there = getattr(getattr(refined.parameters, effect), parameter) != absent
+        assert is_there == (name in refined.kept), name
 
 
 def test_coordinates_are_the_camera() -> None:

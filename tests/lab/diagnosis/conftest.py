@@ -1,6 +1,7 @@
 """A small recording with a strong effect hidden in it, and its diagnosis with few twins and candidates."""
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -52,9 +53,9 @@ def tiny(tiny_path: Path) -> Footage:
     return load(tiny_path)
 
 
-@pytest.fixture(scope="session")
-def quick() -> Iterator[pytest.MonkeyPatch]:
-    """The search with fewer runs."""
+@contextmanager
+def quick_search() -> Iterator[None]:
+    """The search with fewer runs and fewer candidates."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(step, "TWINS", FEW_TWINS)
         patch.setattr(step, "COARSE", range(500, 504))
@@ -63,10 +64,11 @@ def quick() -> Iterator[pytest.MonkeyPatch]:
 
 
 @pytest.fixture(scope="session")
-def done(tiny: Footage, quick: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> Done:
+def done(tiny: Footage, tmp_path_factory: pytest.TempPathFactory) -> Done:
     folder = tmp_path_factory.mktemp("done") / ".voltcam-runs"
-    session = session_of(inspect(tiny), Camera.load("paper"), folder, name="tiny.npz")
     sentences: list[str] = []
-    told = identify(session.rig, session.model, session.candidates, FEW_TWINS)
-    diagnosis = diagnose(session.rig, session.data, session.model, session.candidates, sentences.append)
+    with quick_search():
+        session = session_of(inspect(tiny), Camera.load("paper"), folder, name="tiny.npz")
+        told = identify(session.rig, session.model, session.candidates, FEW_TWINS)
+        diagnosis = diagnose(session.rig, session.data, session.model, session.candidates, sentences.append)
     return Done(session, told, diagnosis, sentences)

@@ -11,7 +11,7 @@ from voltcam_lab.diagnosis.outcome.conclude import camera_of, result_of
 from voltcam_lab.diagnosis.outcome.result import Result, schema
 from voltcam_simulator import Camera
 
-from .conftest import Done
+from .conftest import FEW_TWINS, Done
 
 SCHEMA = Path(__file__).parents[3] / "docs" / "diagnosis.schema.json"
 
@@ -33,6 +33,11 @@ def test_the_hidden_effect_is_named_with_its_size(result: Result) -> None:
     assert result.gap.before == effect.gap_before
     assert result.gap.after == effect.gap_after
     assert "refractory period" in result.sentence
+
+
+def test_the_seeds_are_those_of_the_runs_that_were_made(done: Done, result: Result) -> None:
+    assert result.seeds.twins == list(FEW_TWINS)
+    assert len(done.diagnosis.steps[-1].screen.spread.twins) == len(FEW_TWINS)
 
 
 def test_what_was_taken_out_of_the_camera_file_is_said_last(done: Done) -> None:
@@ -68,11 +73,13 @@ def test_strata_are_ranked_and_their_intervals_hold_the_effect(result: Result) -
         if one.unit == "share":
             assert one.effect.low >= -1
     holes = [one for one in result.where if one.strata.get("interval") == "2 to 5 ms" and one.group == "B"]
+    assert holes
     assert all(one.effect.value < -0.5 for one in holes)
 
 
 def test_counts_are_numbers_of_events(done: Done, result: Result) -> None:
     measured = {one.statistic + str(one.strata): one.measured for one in result.where if one.unit == "share"}
+    assert measured
     assert all(abs(number - round(number)) < 1e-6 for number in measured.values())
 
 

@@ -13,7 +13,7 @@ TWINS = 28
 def screen(gains: np.ndarray) -> Screen:
     """One whose twins gain that."""
     none = np.zeros((4, 1))
-    spread = Spread(none, none, none, none, [none] * len(gains), none[..., None])
+    spread = Spread(none, none, none, none, [none] * len(gains), (), none[..., None])
     return Screen(Model(Parameters()), spread, none[..., None], (), np.add.outer(gains, OPEN_GAINS).ravel())
 
 

@@ -22,7 +22,7 @@ from voltcam_lab.recordings import Footage
 from voltcam_lab.statistics import setting_of
 from voltcam_simulator import Camera, Parameters
 
-from .conftest import Done
+from .conftest import Done, quick_search
 
 PAPER = Parameters.of("paper")
 MANY = [PAPER, PAPER.changed({"photon_noise": {"k3": 1e-3}})]
@@ -57,9 +57,10 @@ def test_they_see_what_one_process_sees(tmp_path: Path) -> None:
 
 def test_a_diagnosis_with_them_is_the_same(done: Done, tiny: Footage, tmp_path: Path) -> None:
     """Trials are fitted side by side then."""
-    session = session_of(inspect(tiny), Camera.load("paper"), tmp_path, processes=3)
-    diagnosis = diagnose(session.rig, session.data, session.model, session.candidates, lambda _: None)
-    session.rig.end()
+    with quick_search():
+        session = session_of(inspect(tiny), Camera.load("paper"), tmp_path, processes=3)
+        diagnosis = diagnose(session.rig, session.data, session.model, session.candidates, lambda _: None)
+        session.rig.end()
     assert diagnosis.model.parameters() == done.diagnosis.model.parameters()
     assert [step.training for step in diagnosis.steps] == [step.training for step in done.diagnosis.steps]
     assert [one.effect for one in diagnosis.found] == ["refractory_period"]

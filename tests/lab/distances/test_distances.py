@@ -76,7 +76,7 @@ def test_a_stream_is_at_no_distance_from_itself() -> None:
 def test_distances_are_symmetric() -> None:
     a, b = poisson(1), poisson(2, rate_hz=25)
     same = [interval_measures.same_polarity(events, WHOLE) for events in (a, b)]
-    strata = interval_measures.Strata.of(same[0], still_light())
+    strata = interval_measures.IntervalStrata.of(same[0], still_light())
     cells, light = count_measures.watched(WHOLE), still_light()
     images = [count_measures.count_images(events, WHOLE) for events in (a, b)]
     noise = [noise_rates(events, WHOLE, light) for events in (a, b)]
@@ -117,7 +117,7 @@ def test_strata_tell_what_the_overall_law_hides() -> None:
     a, b = (
         interval_measures.same_polarity(events, forever) for events in (halves(1e3, 1e5), halves(1e5, 1e3))
     )
-    strata = interval_measures.Strata.of(a, still_light())
+    strata = interval_measures.IntervalStrata.of(a, still_light())
     assert interval_measures.total_variation(a, b) < 0.05
     # By brightness nearly all differs; by change, which there is none of, nothing does. Half of six.
     assert interval_measures.stratified_variation(a, b, strata) > 0.4

@@ -4,9 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import StepPatch
 
-from voltcam_lab.distances import FrameLight, NoiseRates, Region
+from voltcam_lab.distances import HEADLINES, FrameLight, NoiseRates, Region
 from voltcam_lab.distances.counts import count_images, watched
 from voltcam_lab.distances.inter_event_intervals import IntervalStrata, same_polarity
 from voltcam_lab.evaluation.figures.dots import dots
@@ -127,12 +129,42 @@ def all_figures() -> dict[str, Figure]:
     }
 
 
+DRAWN = {
+    "clouds": 2 + 2 + 3, "histograms": 9 * 2, "residuals": 2, "dots": 4, "noise": 4, "noise at rest": 2,
+    "temperature": 2,
+}  # fmt: skip
+"""How many clouds, images, histograms, curves and rows of points with data each figure has."""
+
+
+def with_data(axes: Axes) -> int:
+    """How many of them are there and not empty; lines of two points are floors and frames."""
+    lines = [line for line in axes.lines if line.get_marker() != "None" or len(line.get_xydata()) > 2]
+    clouds = [cloud for cloud in axes.collections if hasattr(cloud, "_offsets3d")]
+    points = [line.get_xydata() for line in lines] + [np.stack(one._offsets3d, axis=1) for one in clouds]
+    images = [np.asarray(image.get_array()) for image in axes.images]
+    steps = [patch.get_data().values for patch in axes.patches if isinstance(patch, StepPatch)]
+    finite = sum(np.isfinite(xy).all(axis=1).any() for xy in points)
+    return int(finite + sum(np.ptp(values) > 0 for values in [*images, *steps]))
+
+
 def test_all_figures_are_drawn(tmp_path: Path) -> None:
-    for name, figure in all_figures().items():
+    figures = all_figures()
+    assert {name: sum(map(with_data, each.get_axes())) for name, each in figures.items()} == DRAWN
+    for name, figure in figures.items():
         path = tmp_path / f"{name}{'.svg' if name in ('dots', 'residuals') else '.png'}"
         save(figure, path)
         written = path.read_bytes()
         assert written.startswith(b"<?xml" if path.suffix == ".svg" else b"\x89PNG"), name
+
+
+def test_dots_are_as_far_from_the_best_as_the_model_is() -> None:
+    row = {"W1": 0.1, "TVs": 0.2, "pair": 0.3, "b4": 0.9, "AUC": 0.8}
+    figure = dots({"exact": row}, {"pixels": dict.fromkeys(row, 0.6)})
+    lines = [line for axes in figure.get_axes() for line in axes.lines if line.get_marker() == "o"]
+    drawn = [float(line.get_xdata()[0]) for line in lines]
+    assert dict(zip(HEADLINES, drawn, strict=True)) == pytest.approx(
+        {"W1": 0.1, "TVs": 0.2, "pair": 0.3, "b4": 0.1, "AUC": 0.3}
+    )
 
 
 @pytest.mark.parametrize("suffix", [".svg", ".png"])

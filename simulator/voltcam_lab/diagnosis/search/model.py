@@ -113,8 +113,8 @@ class Model:
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """Of the twins of a model: mean and the v of each statistic, both (PARTS, n), the twins themselves, and
-    (PARTS, n, k) slopes of the mean with respect to the model's `shift`.
+    """Of the twins of a model: mean and the v of each statistic, both (PARTS, n), the twins themselves, their
+    seeds, and (PARTS, n, k) slopes of the mean with respect to the model's `shift`.
 
     v2 is the twins' variance and `doubt2`, what a model is off by. lenient: v and EFFECT_SHARE of what the
     effects in the model do, in which more effects are looked for.
@@ -125,6 +125,7 @@ class Spread:
     doubt2: Values
     lenient: Values
     twins: list[Values]
+    seeds: tuple[int, ...]
     slopes: NDArray[np.float64]
 
     @property
@@ -152,7 +153,7 @@ def spread_of(rig: Rig, model: Model, seeds: Sequence[int]) -> Spread:
     of_base = BASE_SHARE**2 * (base**2).sum(axis=-1)
     doubt2 = (FLOOR_SHARE * mean) ** 2 + of_base
     lenient = np.sqrt(chance2 + doubt2 + EFFECT_SHARE**2 * (effects**2).sum(axis=-1))
-    return Spread(mean, np.sqrt(chance2 + doubt2), doubt2, lenient, twins, sloping)
+    return Spread(mean, np.sqrt(chance2 + doubt2), doubt2, lenient, twins, tuple(seeds), sloping)
 
 
 def _chance(twins: list[Values]) -> tuple[Values, Values]:
