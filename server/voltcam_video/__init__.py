@@ -1,7 +1,7 @@
 """Frames in, with their times: the one place that knows OpenCV.
 
 `open_source(request)` gives frames of anything that moves; `watch(request, stop, on_state)` keeps a camera
-or stream open for as long as the daemon runs. Knows no other package of this project.
+or stream open for as long as the daemon runs. Of this project it knows the client's readers of files only.
 """
 
 from voltcam_video.clock import Clock

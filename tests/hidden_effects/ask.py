@@ -8,13 +8,15 @@ from typing import Any, Literal
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict
 
-from voltcam_client.formats import Recording
+from voltcam_client.formats import FormatError, Recording
 from voltcam_lab.diagnosis.catalogue.catalogue import Candidate
 from voltcam_lab.diagnosis.outcome.conclude import intervals
 from voltcam_lab.diagnosis.outcome.result import Estimate
 from voltcam_lab.diagnosis.rig.rig import Rig
 from voltcam_lab.diagnosis.search.loop import Diagnosis, diagnose
 from voltcam_lab.diagnosis.session import DiagnosisError, session_of
+from voltcam_lab.health import inspect
+from voltcam_lab.recordings import with_frames
 from voltcam_simulator import Camera, Parameters
 
 # What a camera file knows: published sets (DVS-Voltmeter, ECCV 2022), thresholds of other makes.
@@ -80,8 +82,8 @@ def ask(question: Question) -> Verdict:
     )
     try:
         with TemporaryDirectory() as folder:
-            session = session_of(recording, camera, Path(folder))
-    except DiagnosisError as error:
+            session = session_of(inspect(with_frames(recording)), camera, Path(folder))
+    except (DiagnosisError, FormatError) as error:
         return Verdict(verdict="refused", reason=str(error))
     rig = Rig(session.rig.setting)
     candidates = _sabotaged(session.candidates, question)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from voltcam_client.encodings import EVENT
-from voltcam_client.formats import FormatError, open_writer
-from voltcam_lab.recordings import load
+from voltcam_client.formats import FormatError, Recording, open_writer
+from voltcam_lab.recordings import load, with_frames
 
 DATA = Path(os.environ.get("VOLTCAM_DATA", Path(__file__).parents[3] / "shared" / "data"))
 
@@ -31,12 +31,11 @@ def test_a_folders_images_are_decoded_to_luminance(tmp_path: Path) -> None:
     red = np.zeros((3, 4, 3), np.uint8)
     red[..., 2] = 200
     recording = load(folder_of(tmp_path / "folder", [grey, red]))
-    assert recording.frames is not None
     np.testing.assert_array_equal(recording.frames[0], grey)
     assert set(recording.frames[1].ravel()) == {60}  # 0.299 * 200
     assert recording.frame_t_us.tolist() == [0, 40_000]
     assert (recording.width, recording.height) == (4, 3)
-    assert (recording.image_paths, recording.exposure_us) == ((), None)
+    assert recording.exposure_us is None
 
 
 def test_other_formats_come_as_they_are(tmp_path: Path) -> None:
@@ -47,6 +46,18 @@ def test_other_formats_come_as_they_are(tmp_path: Path) -> None:
     recording = load(tmp_path / "a.npz")
     np.testing.assert_array_equal(recording.events, events)
     assert recording.frames.tolist() == [[[9] * 4] * 3]
+
+
+def test_one_without_frames_is_refused(tmp_path: Path) -> None:
+    events = np.array([(5, 1, 2, True)], EVENT)
+    with open_writer(tmp_path / "a.npz", width=4, height=3) as writer:
+        writer.events(events)
+    with pytest.raises(FormatError, match=r"a\.npz: no frames: record frames and events") as error:
+        load(tmp_path / "a.npz")
+    assert "\n" not in str(error.value)
+    empty = Recording(events, 4, 3, np.zeros((0, 3, 4), np.uint8), np.zeros(0, np.int64))
+    with pytest.raises(FormatError, match="the recording: no frames"):
+        with_frames(empty)
 
 
 def test_a_fault_is_one_line(tmp_path: Path) -> None:

@@ -1,22 +1,14 @@
 """Files that are not what they say: sizes are checked before memory is taken for them."""
 
 import contextlib
-import zipfile
 from collections.abc import Iterator
 from pathlib import Path
-
-import numpy as np
 
 from voltcam_client.errors import VoltcamError
 from voltcam_client.formats.recording import FormatError
 
 MOST_SWELL = 250  # how much larger than its file a recording may be; dark frames compress best
 SMALL_BYTES = 1 << 26  # so much may be in the smallest file
-
-_HEADERS = {
-    (1, 0): np.lib.format.read_array_header_1_0,
-    (2, 0): np.lib.format.read_array_header_2_0,
-}
 
 
 def fits(path: Path, size_bytes: int) -> None:
@@ -25,28 +17,6 @@ def fits(path: Path, size_bytes: int) -> None:
         raise FormatError(
             f"{path} says that it holds {size_bytes:.2g} bytes, which is more than it can: copy it again"
         )
-
-
-def check_arrays(path: Path, archive: zipfile.ZipFile) -> None:
-    """Each array of an .npz is as large as its header says. Raises FormatError."""
-    total = 0
-    for info in archive.infolist():
-        if not info.filename.endswith(".npy"):
-            continue
-        with archive.open(info) as file:
-            version = np.lib.format.read_magic(file)
-            if version not in _HEADERS:
-                raise FormatError(
-                    f"{path}: array {info.filename} has a version that is not known: save it again"
-                )
-            shape, _, dtype = _HEADERS[version](file)
-        size = dtype.itemsize
-        for side in shape:
-            size *= int(side)  # Python's numbers do not overflow
-        if size > info.file_size:
-            raise FormatError(f"{path} is cut short or damaged: copy or record it again")
-        total += size
-    fits(path, total)
 
 
 @contextlib.contextmanager

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voltcam_client.encodings import EVENT, Events
-from voltcam_client.formats.bounds import check_arrays
+from voltcam_client.formats.npz_arrays import check_arrays
 from voltcam_client.formats.recording import FormatError, Recording, RecordingError, smallest_size
 from voltcam_client.formats.spool import Spool, geometry_from_json, geometry_to_json, read_spool
 from voltcam_client.formats.writer import Writer, cannot_create, exists_already

@@ -10,11 +10,11 @@ import struct
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from voltcam_client.encodings import Events
 from voltcam_client.formats.columns import Layout, format_rows, read_events
-from voltcam_client.formats.recording import FormatError, Recording, smallest_size
+from voltcam_client.formats.image_list import IMAGE_LIST, read_image_list
+from voltcam_client.formats.recording import Recording, smallest_size
 from voltcam_client.formats.writer import AppendWriter
 
 DESCRIPTION = "events as text, 't_seconds x y p' as in the Event Camera Dataset"
@@ -39,31 +39,14 @@ def read_txt(path: Path) -> Recording:
 def read_folder(folder: Path) -> Recording:
     """Read an Event Camera Dataset folder: the events, and the paths and times of the images, if any."""
     events = read_events(folder / "events.txt", _LAYOUT)
-    image_list = folder / "images.txt"
+    image_list = folder / IMAGE_LIST
     if not image_list.exists():
         return Recording(events, *smallest_size(events))
-    paths, t_us = _read_image_list(image_list)
+    listed = read_image_list(image_list)
+    paths = tuple(image.path for image in listed)
+    t_us = np.array([image.t_us for image in listed], np.int64)
     size = _png_size(paths[0]) if paths else None
     return Recording(events, *(size or smallest_size(events)), frame_t_us=t_us, image_paths=paths)
-
-
-def _read_image_list(path: Path) -> tuple[tuple[Path, ...], NDArray[np.int64]]:
-    """Paths, relative to the list, and times of the images named in an `images.txt`."""
-    paths: list[Path] = []
-    times: list[int] = []
-    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
-        if not line.strip() or line.startswith("#"):
-            continue
-        try:
-            stamp, name = line.split(maxsplit=1)
-            times.append(round(float(stamp) * 1e6))
-        except (ValueError, OverflowError) as error:
-            raise FormatError(f"{path}, line {number}: it is not 't path': correct it") from error
-        image = path.parent / name.strip()
-        if not image.resolve().is_relative_to(path.parent.resolve()):
-            raise FormatError(f"{path}, line {number}: the image is outside of the folder: copy it there")
-        paths.append(image)
-    return tuple(paths), np.array(times, np.int64)
 
 
 def _png_size(path: Path) -> tuple[int, int] | None:

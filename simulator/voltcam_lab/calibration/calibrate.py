@@ -11,11 +11,11 @@ from voltcam_simulator import Parameters
 
 from .estimates import NORMAL_90, Estimate, correlations, estimates_of, likelihood_parameters, noise_shares
 from .fit import PRIOR, Fit, fit, maximise, named
-from .reading import Reading, scene_between
+from .reading import Reading
 from .timing import find_times
 from .twins import TWINS, unbiased
 
-__all__ = ["Calibration", "CalibrationError", "Estimate", "Reading", "calibrate", "scene_between"]
+__all__ = ["Calibration", "CalibrationError", "Estimate", "Reading", "calibrate"]
 
 SAMPLE = 12_000  # intervals that are fitted: more cost time and add nothing to errors of the light
 STILL = 24_000  # of light that hardly moves, in addition

@@ -1,24 +1,25 @@
 """A recording in, a camera file out: what `voltcam calibrate` does, without its command line."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 import yaml
 
-from voltcam_client.formats import Recording
 from voltcam_simulator import Camera, Parameters
 from voltcam_simulator.effect import Events
 from voltcam_simulator.effects.junction_leak import arrhenius
 
 from ..distances import FrameLight, Region
-from ..health import Health, examine, exposure_windows, frame_mask, hot_pixels
+from ..health import Health, Inspection
+from ..light.between_frames import scene_between
+from ..recordings import Footage
 from ..windows import Mask
 from .calibrate import Calibration, CalibrationError, calibrate
 from .estimates import Estimate
 from .paper_method import calibrate_as_paper
-from .reading import Reading, scene_between
+from .reading import Reading
 from .refine.refine import Refined, refine
 
 Method = Literal["exact", "paper"]
@@ -64,42 +65,39 @@ class Calibrated:
 
 
 def camera_from(
-    recording: Recording,
+    inspection: Inspection,
     *,
     name: str = "camera",
     method: Method = "exact",
     base: Camera | None = None,
     temperature_c: float | None = None,
     seed: int = 0,
-    health: Health | None = None,
     refining: bool = True,
     report: Callable[[str], None] = lambda step: None,
 ) -> Calibrated:
-    """The camera that made a recording (as voltcam_lab.recordings.load gives it).
+    """The camera that made a recording that was inspected.
 
     base: a camera whose other effects are taken over, of the recording's size. temperature_c: of the die
-    while it was recorded. health: as `examine` has it, where that is known. refining: the exact law's
+    while it was recorded. refining: the exact law's
     parameters are moved until simulated events are most like the recorded ones, if they gain by it. Raises
     CalibrationError, a line, where the recording is of no use.
     """
+    recording = inspection.footage
     size = (recording.width, recording.height)
     if base is not None and (base.width, base.height) != size:
         raise CalibrationError(
             f"{base.name} has {base.width}x{base.height} pixels, the recording {size[0]}x{size[1]}: omit "
             "--camera, or give the camera that recorded it"
         )
-    health = health or examine(recording)
+    health = inspection.health
     if not health.usable:
         raise CalibrationError("; ".join(finding.words for finding in health.fatal))
-    frames, frame_t_us = recording.frames, recording.frame_t_us
-    assert frames is not None  # fatal to its health
-    assert frame_t_us is not None
     report("light between frames")
-    mask, keep = frame_mask(recording), ~hot_pixels(recording)
     cut = _middle(recording)
-    mask = replace(mask, row_windows=mask.row_windows + round(mask.us_per_row * cut[0].start))
-    reading = Reading(_within(recording, cut), scene_between(frames[:, *cut], frame_t_us), keep[cut], mask)
-    notes = _notes(reading, frames.shape[1:])
+    mask, keep = inspection.mask.from_row(cut[0].start), ~inspection.hot[cut]
+    scene = scene_between(recording.frames[:, *cut], recording.frame_t_us)
+    reading = Reading(_within(recording, cut), scene, keep, mask)
+    notes = _notes(reading, recording.frames.shape[1:])
     found: Calibration | None = None
     refined: Refined | None = None
     moved: tuple[tuple[str, float, float], ...] = ()
@@ -116,13 +114,12 @@ def camera_from(
         notes += _notes_of(found)
         if refining:
             parameters = base.parameters.changed(_own(parameters)) if base else parameters
-            refined = _refined(recording, reading, cut, parameters, seed, report)
+            refined = _refined(inspection, reading, cut, parameters, seed, report)
             worth = refined.after < WORTH_IT * refined.before
             moved = _moved(parameters, refined.parameters) if worth else ()
             notes.append(_told(refined, worth))
             parameters = refined.parameters if worth else parameters
-    faulty = _faulty(recording, mask, health)
-    known: dict[str, Any] = _own(parameters) | faulty
+    known: dict[str, Any] = _own(parameters) | _faulty(inspection)
     if temperature_c is not None:
         known["temperature_c"] = temperature_c
         known["junction_leak"] = {"k4_per_us": _at_reference(parameters, temperature_c)}
@@ -140,7 +137,7 @@ def _own(parameters: Parameters) -> dict[str, Any]:
 
 
 def _refined(
-    recording: Recording,
+    inspection: Inspection,
     reading: Reading,
     cut: tuple[slice, slice],
     start: Parameters,
@@ -148,11 +145,9 @@ def _refined(
     report: Callable[[str], None],
 ) -> Refined:
     """The camera will see other scenes, so light is what it is there: frames, and what is between them."""
-    scene, frames, t_us = reading.scene, recording.frames, recording.frame_t_us
-    assert frames is not None
-    assert t_us is not None
+    scene, frames, t_us = reading.scene, inspection.footage.frames, inspection.footage.frame_t_us
     whole = Region.whole(scene.width, scene.height, int(t_us[0]), int(t_us[-1]))
-    region = whole.on(reading.keep).without(exposure_windows(recording))
+    region = whole.on(reading.keep).without(inspection.exposure_windows)
     light = FrameLight(np.asarray(frames[:, *cut], np.uint8), t_us)
     return refine(
         reading.events, scene, light, region, start, seed, report, same_light=True, longest=SIMULATED
@@ -184,9 +179,9 @@ def _at_reference(parameters: Parameters, temperature_c: float) -> float:
     return float(leak.k4_per_us / arrhenius(temperature_c, leak.activation_energy_ev))
 
 
-def _middle(recording: Recording) -> tuple[slice, slice]:
+def _middle(recording: Footage) -> tuple[slice, slice]:
     """Rows and columns from the middle of the picture, such that there are MOST_SAMPLES at most."""
-    frames = 0 if recording.frames is None else len(recording.frames)
+    frames = len(recording.frames)
     share = min(1.0, (MOST_SAMPLES / (frames * recording.width * recording.height)) ** 0.5)
     spans = []
     for side in (recording.height, recording.width):
@@ -195,7 +190,7 @@ def _middle(recording: Recording) -> tuple[slice, slice]:
     return spans[0], spans[1]
 
 
-def _within(recording: Recording, cut: tuple[slice, slice]) -> Events:
+def _within(recording: Footage, cut: tuple[slice, slice]) -> Events:
     rows, columns = cut
     x, y = recording.events["x"], recording.events["y"]
     inside = (y >= rows.start) & (y < rows.stop) & (x >= columns.start) & (x < columns.stop)
@@ -205,21 +200,15 @@ def _within(recording: Recording, cut: tuple[slice, slice]) -> Events:
     return events
 
 
-def _faulty(recording: Recording, mask: Mask, health: Health) -> dict[str, dict[str, float]]:
+def _faulty(inspection: Inspection) -> dict[str, dict[str, float]]:
     """Hot and dead pixels, as changes of parameters."""
-    pixels = recording.width * recording.height
-    hot, silent = health["hot pixels"].numbers["xy"], health["silent pixels"].numbers["xy"]
+    hot, silent, t_us = inspection.hot, inspection.silent, inspection.footage.events["t"]
     found: dict[str, dict[str, float]] = {}
-    if hot:
-        events = recording.events
-        seconds = float(events["t"][-1] - events["t"][0]) / 1e6
-        counts = np.bincount(
-            events["y"].astype(np.int64) * recording.width + events["x"], minlength=pixels
-        ).reshape(recording.height, recording.width)
-        rates = [counts[y, x] / seconds for x, y in hot]
-        found["hot_pixels"] = {"fraction": len(hot) / pixels, "rate_hz": float(np.median(rates))}
-    if silent:
-        found["dead_pixels"] = {"fraction": len(silent) / pixels}
+    if hot.any():
+        rates = inspection.subject.all_counts[hot] / (float(t_us[-1] - t_us[0]) / 1e6)
+        found["hot_pixels"] = {"fraction": float(hot.mean()), "rate_hz": float(np.median(rates))}
+    if silent.any():
+        found["dead_pixels"] = {"fraction": float(silent.mean())}
     return found
 
 

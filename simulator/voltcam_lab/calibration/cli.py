@@ -9,7 +9,7 @@ from tqdm import tqdm
 
 from voltcam_simulator import Camera
 
-from ..health import examine
+from ..health import inspect
 from ..recordings import load
 from .calibrate import CalibrationError
 from .camera_from import camera_from
@@ -65,9 +65,8 @@ def run(arguments: argparse.Namespace) -> int:
         raise CalibrationError(
             f"{arguments.out.parent} is not a folder: make it first, or give another --out"
         )
-    recording = load(arguments.recording)
-    health = examine(recording)
-    sys.stdout.write(health.text() + "\n\n")
+    inspection = inspect(load(arguments.recording))
+    sys.stdout.write(inspection.health.text() + "\n\n")
     steps = STEPS[arguments.method] + (REFINING if arguments.refining and arguments.method == "exact" else 0)
     with tqdm(total=steps, disable=None, leave=False, bar_format=BAR) as bar:
 
@@ -76,13 +75,12 @@ def run(arguments: argparse.Namespace) -> int:
             bar.update()
 
         found = camera_from(
-            recording,
+            inspection,
             name=arguments.out.stem[:100],
             method=arguments.method,
             base=base,
             temperature_c=arguments.temperature,
             seed=arguments.seed,
-            health=health,
             refining=arguments.refining,
             report=progress,
         )

@@ -1,17 +1,15 @@
 """What of a recording is fitted: which events, pixels, times, and what the light did."""
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..light.scene import TRUSTED, Scene, scene_of
+from ..light.scene import TRUSTED, Scene
 from ..windows import Mask, Windows
 from .intervals import Intervals, intervals
 from .rest import NO_WAITS, Rest, Waits, rest_of, waits
 
-WELL_SAMPLED = 0.9  # share of the light that is trusted from which nothing better is looked for
 TOLERANCES = (TRUSTED, 0.1, 0.2, 0.4)  # of the light, the strictest first
 ENOUGH = 2_000  # intervals with an event: with as many, no more light is trusted than that
 ENOUGH_EACH = 400  # of these ON, and OFF: leak alone makes only ON, which tells nothing of thresholds
@@ -64,12 +62,3 @@ class Reading:
             drawn = rng.permutation(part)
             keep[drawn[np.cumsum(count[drawn]) <= most]] = True
         return replace(self, keep=keep.reshape(self.keep.shape))
-
-
-def scene_between(frames: NDArray[Any], frame_t_us: NDArray[np.int64]) -> Scene:
-    """The light of frames (M, H, W) and between them, as tells left-out frames better: a cubic, or motion."""
-    cubic = scene_of(frames, frame_t_us, "cubic")
-    if cubic.trusted().mean() > WELL_SAMPLED:
-        return cubic
-    moved = scene_of(frames, frame_t_us, "auto")
-    return min(cubic, moved, key=lambda scene: float(np.minimum(scene.unsure, TOLERANCES[-1]).mean()))

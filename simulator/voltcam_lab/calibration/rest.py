@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr, ndtr
 
-from ..health.light import light_of
+from ..health.light_change import light_change_of
 from ..light.scene import Scene
 from ..windows import Mask, Windows
 
@@ -44,7 +44,7 @@ class Rest:
 
 def rest_of(scene: Scene) -> Rest:
     """When frames agree, at a pixel and next to it."""
-    light = light_of(scene.taken, scene.taken_us)
+    light = light_change_of(scene.taken, scene.taken_us)
     shape = light.mean_dn.shape
     begin, best_begin, best_end = (np.zeros(shape, np.int64) for _ in range(3))
     run = np.zeros(shape, np.bool_)

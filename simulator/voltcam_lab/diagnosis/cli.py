@@ -13,6 +13,7 @@ from tqdm import tqdm
 
 from voltcam_simulator import Camera, camera_names
 
+from ..health import inspect
 from ..pages.page import write
 from ..recordings import load
 from .outcome.conclude import camera_of, result_of
@@ -85,11 +86,11 @@ def _ready(
     arguments: argparse.Namespace, camera: Camera, runs: Path, say: Report, bar: "tqdm[Any]"
 ) -> Session:
     """The recording and the camera file, less what of it the recording does not show."""
-    recording = load(arguments.recording)
+    inspection = inspect(load(arguments.recording))
 
     def ready(camera: Camera) -> Session:
         session = session_of(
-            recording, camera, runs, name=arguments.recording.absolute().name, seed=arguments.seed,
+            inspection, camera, runs, name=arguments.recording.absolute().name, seed=arguments.seed,
             seconds=arguments.seconds, processes=cores(),
         )  # fmt: skip
         say(f"Looking at {session.looked_at()}.")

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from voltcam_client.formats import Recording
 from voltcam_simulator import Camera, Parameters
 
-from ..health import Finding, Health, examine
-from ..light.between_frames import calm, frame_noise2
-from ..light.scene import Scene, scene_of
+from ..health import EventsLate, Finding, Health, Inspection
+from ..light.between_frames import calm, frame_noise2, scene_between, untrusted_share
+from ..light.scene import Scene
 from ..light.unrounded import unrounded
+from ..recordings import Footage
 from ..statistics import setting_of
 from .catalogue.catalogue import Asymmetry, Candidate, catalogue
 from .catalogue.clues import clues, in_step
@@ -27,7 +27,6 @@ MOST_SECONDS = 10.0
 FEWEST_FRAMES, FEWEST_EVENTS = 10, 50
 LONGEST_WAIT_US = 100_000  # of events before a readout that is too slow
 NOISY_DN2 = 0.15  # variance: rounding has 1/12
-_TRUSTED = 0.9
 
 
 class DiagnosisError(ValueError):
@@ -45,7 +44,7 @@ class Session:
     """
 
     name: str
-    recording: Recording
+    recording: Footage
     camera: Camera
     health: Health
     columns: NDArray[np.int64]
@@ -99,20 +98,18 @@ class Session:
 
 
 def session_of(
-    recording: Recording, camera: Camera, folder: Path, *, name: str = "the recording", seed: int = 0,
+    inspection: Inspection, camera: Camera, folder: Path, *, name: str = "the recording", seed: int = 0,
     seconds: float = MOST_SECONDS, most_samples: int = MOST_SAMPLES, processes: int = 1,
 ) -> Session:  # fmt: skip
-    """Make a recording (as voltcam_lab.recordings.load gives it) ready; runs go to `folder`, made by
-    so many processes.
+    """Make a recording that was inspected ready; runs go to `folder`, made by so many processes.
 
     Raises DiagnosisError where a diagnosis makes no sense.
     """
-    health = examine(recording)
-    fatal = [finding for finding in health.fatal if not _may_wait(finding)]
+    fatal = [finding for finding in inspection.health.fatal if not _may_wait(finding)]
     if fatal:
         raise DiagnosisError(f"{name}: {'; '.join(finding.words for finding in fatal)}")
-    origin, recording = origin_us(recording), cut(recording, seconds)
-    if recording.frames is None or recording.frame_t_us is None or len(recording.frames) < FEWEST_FRAMES:
+    origin, recording = origin_us(inspection.footage), cut(inspection.footage, seconds)
+    if len(recording.frames) < FEWEST_FRAMES:
         raise DiagnosisError(
             f"{name} has fewer than {FEWEST_FRAMES} frames in {seconds:g} s: give more of it"
         )
@@ -131,17 +128,16 @@ def session_of(
             f"{name}: of {len(part.events)} events {known} are where the light between frames is known: take "
             "frames more often, or move slower"
         )
-    row_us = health["row readout"].numbers["us_per_row"]
     wanted: list[Candidate] = []
     left_out: list[Candidate] = []
-    for one in catalogue(clues(setting, part.events, row_us)):
+    for one in catalogue(clues(setting, part.events, inspection.row_time_us)):
         off_axis = one.effect == "vignetting" and len(columns) < recording.width
         off = off_axis or _is_on(one, parameters)
         if one.effect == "flicker" and not off:
             one = in_step(rig, parameters, one, part.events)
         (left_out if off else wanted).append(one)
     return Session(
-        name, part, camera, health, columns, rig, rig.observe(part.events), tuple(wanted),
+        name, part, camera, inspection.health, columns, rig, rig.observe(part.events), tuple(wanted),
         tuple(dict.fromkeys(one.effect for one in left_out)), seed, origin,
     )  # fmt: skip
 
@@ -153,20 +149,12 @@ def seen(frames: NDArray[Any], t_us: NDArray[np.int64], columns: NDArray[np.int6
         frames = calm(frames, noise2)
     elif np.issubdtype(frames.dtype, np.integer):
         frames = unrounded(frames)
-    cubic = scene_of(frames[:, :, columns], t_us, "cubic")
-    if cubic.trusted().mean() > _TRUSTED:
-        return cubic
-    auto = scene_of(frames, t_us, "auto")  # motion is seen in whole frames
-    surprise = auto.surprise.reshape(len(t_us), auto.height, auto.width)[:, :, columns]
-    auto = Scene(auto.taken[:, :, columns], t_us, auto.images[:, :, columns], auto.t_us, "auto")
-    auto.__dict__["surprise"] = surprise.reshape(len(t_us), -1)  # its own would come from narrow strips
-    return auto if auto.trusted().mean() > cubic.trusted().mean() else cubic
+    return scene_between(frames, t_us, columns, untrusted_share)
 
 
 def _may_wait(finding: Finding) -> bool:
     """Whether what looks like another clock may be events that queue: to tell these is for the diagnosis."""
-    late_us: float = finding.numbers.get("late_us", 0.0)
-    return 0 < late_us < LONGEST_WAIT_US
+    return isinstance(finding, EventsLate) and 0 < finding.late_us < LONGEST_WAIT_US
 
 
 def _is_on(candidate: Candidate, parameters: Parameters) -> bool:

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from voltcam_simulator.effect import Events
 
+from ..windows import Windows, common, complement, joined, no_windows, number_of, overlap_us, total_us, within
+
 Pixels = NDArray[np.bool_]
-Times = NDArray[np.int64]
 
 TILE_PIXELS = 24  # of what is held out: 2 x 2 patches of the classifier, 6 x 6 blocks of counts
 BLOCK_US = 100_000  # of the floor by time
@@ -24,8 +25,8 @@ class Region:
     around exposures; an interval may go across these, or none would be longer than a frame period."""
 
     pixels: Pixels
-    times: Times
-    hidden: Times = field(default_factory=lambda: np.empty((0, 2), np.int64))
+    times: Windows
+    hidden: Windows = field(default_factory=no_windows)
 
     @classmethod
     def whole(cls, width: int, height: int, begin_us: int, end_us: int) -> Self:
@@ -36,79 +37,41 @@ class Region:
         """Only where `pixels` (H, W) is true."""
         return replace(self, pixels=self.pixels & pixels)
 
-    def during(self, times: Times) -> Self:
+    def during(self, times: Windows) -> Self:
         """Only while both this and `times` (M, 2) last; the result keeps the ends of both."""
-        return replace(self, times=_common(self.times, times))
+        return replace(self, times=common(self.times, times))
 
-    def without(self, windows: Times) -> Self:
+    def without(self, windows: Windows) -> Self:
         """Less the events in windows (K, 2), which may overlap."""
-        return replace(self, hidden=_joined(np.concatenate([self.hidden, windows])))
+        return replace(self, hidden=joined(np.concatenate([self.hidden, windows])))
 
     @cached_property
-    def live(self) -> Times:
+    def live(self) -> Windows:
         """`times` less what is hidden."""
-        return _common(self.times, _gaps(self.hidden))
+        return common(self.times, complement(self.hidden))
 
-    def outside(self) -> Times:
+    def outside(self) -> Windows:
         """(N, 2) [us]: all time that is not live, hidden or not in `times`."""
-        return _gaps(self.live)
+        return complement(self.live)
 
     @property
     def pixel_seconds(self) -> float:
         """Pixels times live seconds: what a rate is counted over."""
-        return float(np.count_nonzero(self.pixels)) * float(np.sum(np.diff(self.live))) / 1e6
+        return float(np.count_nonzero(self.pixels)) * float(total_us(self.live)) / 1e6
 
     def of(self, events: Events) -> Events:
         """The events in here."""
-        inside = self.pixels[events["y"], events["x"]] & (_stretch(self.live, events["t"]) >= 0)
+        inside = self.pixels[events["y"], events["x"]] & within(events["t"], self.live)
         chosen: Events = events[inside]
         return chosen
 
-    def stretch_of(self, t_us: Times) -> NDArray[np.int64]:
+    def stretch_of(self, t_us: NDArray[np.int64]) -> NDArray[np.int64]:
         """For each time the number of its stretch, -1 outside all of them."""
-        return _stretch(self.times, t_us)
+        return number_of(t_us, self.times)
 
-    def live_in(self, edges_us: Times) -> NDArray[np.float64]:
+    def live_in(self, edges_us: NDArray[np.int64]) -> NDArray[np.float64]:
         """Live time [us] between each two edges (N,), ascending: (N - 1,)."""
-        gathered = np.sum(np.clip(edges_us - self.live[:, :1], 0, np.diff(self.live)), axis=0)
-        spans: NDArray[np.float64] = np.diff(gathered).astype(np.float64)
-        return spans
-
-
-def _stretch(times: Times, t_us: Times) -> NDArray[np.int64]:
-    number = np.searchsorted(times[:, 0], t_us, side="right") - 1
-    inside = number >= 0
-    inside[inside] = t_us[inside] < times[number[inside], 1]
-    return np.where(inside, number, -1)
-
-
-def _common(first: Times, second: Times) -> Times:
-    """What two lists of stretches have in common, cut at the ends of both."""
-    pieces = [
-        (max(begin, a), min(end, b))
-        for begin, end in first.tolist()
-        for a, b in second.tolist()
-        if max(begin, a) < min(end, b)
-    ]
-    return np.array(sorted(pieces), np.int64).reshape(-1, 2)
-
-
-def _joined(windows: Times) -> Times:
-    """In order and apart."""
-    result: list[list[int]] = []
-    for begin, end in sorted(windows.tolist()):
-        if result and begin <= result[-1][1]:
-            result[-1][1] = max(result[-1][1], end)
-        else:
-            result.append([begin, end])
-    return np.array(result, np.int64).reshape(-1, 2)
-
-
-def _gaps(windows: Times) -> Times:
-    """All time before, between and after windows that are in order and apart."""
-    ends = np.iinfo(np.int64)
-    edges = np.concatenate([[ends.min], windows.ravel(), [ends.max]])
-    return edges.reshape(-1, 2)
+        return overlap_us(self.live, edges_us)
 
 
 Halves = tuple[Region, Region]

@@ -7,10 +7,10 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from voltcam_client.formats import Recording
 from voltcam_simulator.effect import Events
 
 from ..distances import Region
+from ..health import Inspection, inspect
 from ..models.model import simulate
 from ..recordings import load
 from .contenders import contenders
@@ -45,17 +45,17 @@ def run(arguments: argparse.Namespace) -> int:
     evaluations, notes = [], []
     with tqdm(bar_format="{desc} [{elapsed}]", disable=None, leave=False) as bar:
         bar.set_description_str("reading")
-        recordings = {path: load(path) for path in arguments.recordings}
+        inspections = {path: inspect(load(path)) for path in arguments.recordings}
         # Whether all of them can be judged is known before the long work on the first.
-        wholes = {path: yardstick_of(each, str(path)).region for path, each in recordings.items()}
-        for path, recording in recordings.items():
+        wholes = {path: yardstick_of(each, str(path)).region for path, each in inspections.items()}
+        for path, inspection in inspections.items():
             name = path.absolute().stem
 
             def progress(step: str, name: str = name) -> None:
                 bar.set_description_str(f"{name}: {step}")
 
             try:
-                done, told = _evaluated(recording, wholes[path], name, progress)
+                done, told = _evaluated(inspection, wholes[path], name, progress)
             except ValueError as error:
                 told = [" ".join(str(error).split())]
                 tqdm.write(f"{name}: {told[0]}", file=sys.stderr)
@@ -70,10 +70,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _evaluated(
-    recording: Recording, whole: Region, name: str, progress: Callable[[str], None]
+    inspection: Inspection, whole: Region, name: str, progress: Callable[[str], None]
 ) -> tuple[Evaluation, list[str]]:
     """The evaluation, and notes on how it came about."""
-    ways = folds(whole, recording.events)
+    ways = folds(whole, inspection.footage.events)
     parts: list[dict[str, Events]] = []
     notes: list[str] = []
     for number, (fitting, _) in enumerate(ways, 1):
@@ -82,7 +82,7 @@ def _evaluated(
         def step(text: str, way: str = way) -> None:
             progress(text + way)
 
-        scene, makers, told = contenders(recording, fitting, step)
+        scene, makers, told = contenders(inspection, fitting, step)
         notes += [each + way for each in told]
         part = {}
         for model, make in makers.items():
@@ -91,4 +91,4 @@ def _evaluated(
         parts.append(part)
     models = [model for model in parts[0] if all(model in part for part in parts)]
     simulated = {model: pooled([part[model] for part in parts], ways) for model in models}
-    return judged(recording, simulated, pooled_region(whole, ways), name, progress), notes
+    return judged(inspection, simulated, pooled_region(whole, ways), name, progress), notes

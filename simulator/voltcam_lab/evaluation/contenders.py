@@ -1,19 +1,18 @@
 """Who is held against a recording: Voltcam by both laws, calibrated; what is published; the baselines."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
-from voltcam_client.formats import Recording
 from voltcam_simulator import Parameters
 
-from ..calibration.calibrate import CalibrationError, Reading, calibrate, scene_between
+from ..calibration.calibrate import CalibrationError, Reading, calibrate
 from ..calibration.paper_method import calibrate_as_paper
 from ..calibration.refine.refine import Refined, refine
 from ..distances import FrameLight, Region
-from ..health import frame_mask
+from ..health import Inspection
+from ..light.between_frames import scene_between
 from ..light.scene import Scene
 from ..models.model import MODELS, AnyParameters, Model, with_fitted_thresholds
 from ..windows import Mask
@@ -24,7 +23,7 @@ Progress = Callable[[str], None]
 
 
 def contenders(
-    recording: Recording, fitting: Region, progress: Progress = lambda _: None
+    inspection: Inspection, fitting: Region, progress: Progress = lambda _: None
 ) -> tuple[Scene, Contenders, list[str]]:
     """(the light, makers of models by name, notes: what was found, what could not be fitted and why), fitted
     on `fitting` only.
@@ -33,10 +32,9 @@ def contenders(
     Thresholds fitted: the published parameters, with the two thresholds that give as many events of each
     polarity as the recording has.
     """
-    if recording.frames is None or recording.frame_t_us is None:
-        raise ValueError("the recording has no frames: models have nothing to look at")
+    recording = inspection.footage
     scene = scene_between(recording.frames, recording.frame_t_us)
-    masked = mask_of(recording, fitting)
+    masked = mask_for_fit(inspection.mask, fitting)
     reading = Reading(recording.events, scene, fitting.pixels, masked)
     seen = fitting.of(recording.events)
     on = int(np.count_nonzero(seen["p"]))
@@ -83,12 +81,10 @@ def contenders(
     return scene, makers, notes
 
 
-def mask_of(recording: Recording, fitting: Region) -> Mask:
+def mask_for_fit(mask: Mask, fitting: Region) -> Mask:
     """The times that fits leave out: all that is not for fitting, and what the camera's own frames disturb,
     of each row its own."""
-    mask = frame_mask(recording)
-    apart = replace(fitting, hidden=np.empty((0, 2), np.int64)).without(mask.windows)
-    return replace(mask, windows=apart.outside())
+    return mask.only(fitting.times)
 
 
 def _told(refined: Refined) -> str:

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from voltcam_client.formats import Recording
 from voltcam_simulator.effect import Events
 from voltcam_video import Upsampling
 
@@ -18,9 +17,10 @@ from ..distances import (
     gap,
     held_out,
 )
-from ..health import exposure_windows, hot_pixels
+from ..health import Inspection
 from ..light.scene import Scene, scene_of
 from ..models.model import Model, simulate
+from ..recordings import Footage
 
 Progress = Callable[[str], None]
 FEWEST_FRAMES, FEWEST_EVENTS = 10, 1000
@@ -32,7 +32,7 @@ class Evaluation:
     between halves of the real events; simulated: model -> all its events."""
 
     name: str
-    recording: Recording
+    recording: Footage
     yardstick: Yardstick
     rows: dict[str, dict[str, float]]
     floors: dict[str, dict[str, float]]
@@ -84,15 +84,16 @@ def _table(
     return "\n".join(lines)
 
 
-def yardstick_of(recording: Recording, name: str = "the recording") -> Yardstick:
-    """All of a recording with frames, less hot pixels and the windows in which events are locked to frames.
+def yardstick_of(inspection: Inspection, name: str = "the recording") -> Yardstick:
+    """All of a recording, less hot pixels and the windows in which events are locked to frames.
 
-    Raises ValueError for one without frames, or with too little in it to compare anything.
+    Raises ValueError for one with too little in it to compare anything.
     """
+    recording = inspection.footage
     frames, t_us, events = recording.frames, recording.frame_t_us, recording.events
-    if frames is None or t_us is None or len(frames) < FEWEST_FRAMES:
+    if len(frames) < FEWEST_FRAMES:
         raise ValueError(
-            f"{name} has {0 if frames is None else len(frames)} frames: give a recording with frames "
+            f"{name} has {len(frames)} frames: give a recording with frames "
             f"({FEWEST_FRAMES} at least), since they are what models are shown"
         )
     light = FrameLight(frames, t_us)
@@ -103,12 +104,12 @@ def yardstick_of(recording: Recording, name: str = "the recording") -> Yardstick
             f"{name} has {seen.size} events between its first and last frame, fewer than {FEWEST_EVENTS}: "
             "record longer, or see whether frames and events are on one clock"
         )
-    clean = region.on(~hot_pixels(recording)).without(exposure_windows(recording))
+    clean = region.on(~inspection.hot).without(inspection.exposure_windows)
     return Yardstick(events, clean, light)
 
 
 def evaluate(
-    recording: Recording,
+    inspection: Inspection,
     models: Mapping[str, Callable[[], Model]],
     *,
     name: str = "the recording",
@@ -123,25 +124,25 @@ def evaluate(
     default the second half of `distances.held_out`. scene: the frames' light, made with `upsampling` where
     none is given. Raises ValueError as `yardstick_of` does.
     """
-    whole = yardstick_of(recording, name)
+    whole = yardstick_of(inspection, name)
     progress("frames between frames")
     scene = scene or scene_of(whole.light.images, whole.light.t_us, upsampling)
     simulated = {}
     for model, make in models.items():
         progress(model)
         simulated[model] = simulate(make(), scene)
-    return judged(recording, simulated, region or held_out(whole.region)[1], name, progress)
+    return judged(inspection, simulated, region or held_out(whole.region)[1], name, progress)
 
 
 def judged(
-    recording: Recording,
+    inspection: Inspection,
     simulated: Mapping[str, Events],
     region: Region,
     name: str = "the recording",
     progress: Progress = lambda _: None,
 ) -> Evaluation:
     """Measure what models gave out, {model: events}, in a region. Raises ValueError as `yardstick_of`."""
-    whole = yardstick_of(recording, name)
+    whole = yardstick_of(inspection, name)
     yardstick = Yardstick(whole.real, region, whole.light)
     rows = {}
     for model, events in simulated.items():
@@ -152,4 +153,4 @@ def judged(
         "real, other pixels": yardstick.floor_by_pixels(),
         "real, other times": yardstick.floor_by_time(),
     }
-    return Evaluation(name, recording, yardstick, rows, floors, dict(simulated))
+    return Evaluation(name, inspection.footage, yardstick, rows, floors, dict(simulated))

@@ -3,40 +3,41 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from voltcam_client.formats import Recording
-from voltcam_lab.health.finding import Finding, Severity
+from ..recordings import Footage
+from .finding import Finding, Severity
 
 SHORTEST_S = 1.5  # of frames and events together: below, nothing is fixed to better than a factor
 SHORT_S = 10.0
 _FEWEST_EVENTS = 1000
 _FEWEST_FRAMES = 10
-_QUANTA_US = (1000, 500, 256, 250, 200, 128, 125, 100, 64, 50, 32, 25, 20, 16, 10, 8, 5, 4, 2)
+_STEPS_US = (1000, 500, 256, 250, 200, 128, 125, 100, 64, 50, 32, 25, 20, 16, 10, 8, 5, 4, 2)
 
 
-def missing(recording: Recording) -> list[Finding]:
+def missing(footage: Footage) -> list[Finding]:
     """Fatal: what a calibration cannot do without and the recording does not have."""
     found = []
-    frames = 0 if recording.frames is None else len(recording.frames)
+    frames = len(footage.frames)
     if frames < _FEWEST_FRAMES:
-        words = "no frames" if frames == 0 else f"only {frames} frames"
-        words += ": record frames and events of the same camera together (DAVIS: switch the frames on)"
+        words = (
+            f"only {frames} frames: record frames and events of the same camera together (DAVIS: switch the "
+        )
+        words += "frames on)"
         found.append(Finding("frames", "fatal", words, {"frames": frames}))
-    count = recording.events.size
+    count = footage.events.size
     if count < _FEWEST_EVENTS:
         words = "no events" if count == 0 else f"only {count} events"
         words += ": switch the event output on, take the lens cap off, and move something in front of it"
         found.append(Finding("events", "fatal", words, {"events": count}))
-    if recording.frames is not None and recording.frame_t_us is not None and frames:
-        height, width = recording.frames.shape[1:]
-        if (width, height) != (recording.width, recording.height):
-            words = f"frames are {width}x{height}, events {recording.width}x{recording.height}: "
-            words += "frames must come from the same pixels; rectify neither"
-            numbers = {"frames": [width, height], "events": [recording.width, recording.height]}
-            found.append(Finding("size", "fatal", words, numbers))
-        back = np.flatnonzero(np.diff(recording.frame_t_us) <= 0)
-        if back.size:
-            words = f"the time of frame {back[0] + 1} does not come after the one before: sort the frames"
-            found.append(Finding("frame times", "fatal", words, {"frame": int(back[0]) + 1}))
+    height, width = footage.frames.shape[1:]
+    if (width, height) != (footage.width, footage.height):
+        words = f"frames are {width}x{height}, events {footage.width}x{footage.height}: "
+        words += "frames must come from the same pixels; rectify neither"
+        numbers = {"frames": [width, height], "events": [footage.width, footage.height]}
+        found.append(Finding("size", "fatal", words, numbers))
+    back = np.flatnonzero(np.diff(footage.frame_t_us) <= 0)
+    if back.size:
+        words = f"the time of frame {back[0] + 1} does not come after the one before: sort the frames"
+        found.append(Finding("frame times", "fatal", words, {"frame": int(back[0]) + 1}))
     return found
 
 
@@ -62,10 +63,9 @@ def overlap(frame_t_us: NDArray[np.int64], t_us: NDArray[np.int64]) -> list[Find
     return findings
 
 
-def frame_times(recording: Recording) -> list[Finding]:
+def frame_times(footage: Footage) -> list[Finding]:
     """Rate, jitter and gaps of the frames, and which moment of the exposure their stamps are."""
-    t_us = recording.frame_t_us
-    assert t_us is not None
+    t_us = footage.frame_t_us
     intervals = np.diff(t_us)
     period = float(np.median(intervals))
     lost = np.maximum(np.rint(intervals / period).astype(int) - 1, 0)
@@ -86,7 +86,7 @@ def frame_times(recording: Recording) -> list[Finding]:
         findings.append(Finding("frame gaps", "limits", words, numbers))
     else:
         findings.append(Finding("frame gaps", "good", "no frame missing", numbers))
-    return [*findings, _stamps(recording.exposure_us, t_us)]
+    return [*findings, _stamps(footage.exposure_us, t_us)]
 
 
 def _stamps(exposure_us: NDArray[np.int64] | None, t_us: NDArray[np.int64]) -> Finding:
@@ -103,19 +103,21 @@ def _stamps(exposure_us: NDArray[np.int64] | None, t_us: NDArray[np.int64]) -> F
     return Finding("exposure", "good", words, numbers)
 
 
-def quantum(t_us: NDArray[np.int64]) -> Finding:
-    """The largest step on which all but one in a thousand event times lie."""
-    step = 1
-    for candidate in _QUANTA_US:
-        rest = t_us % candidate
-        if np.bincount(rest).max() >= 0.999 * t_us.size:
-            step = candidate
-            break
-    words = f"event times in steps of {step} us"
-    severity: Severity = "good" if step <= 10 else "limits"
+def stamp_step_us(t_us: NDArray[np.int64]) -> int:
+    """The largest step on which all but one in a thousand of the event times (n,) lie."""
+    for step in _STEPS_US:
+        if np.bincount(t_us % step).max() >= 0.999 * t_us.size:
+            return step
+    return 1
+
+
+def stamp_step(step_us: int) -> Finding:
+    """Whether event times are fine enough."""
+    words = f"event times in steps of {step_us} us"
+    severity: Severity = "good" if step_us <= 10 else "limits"
     if severity == "limits":
         words += ": short intervals and the refractory period are blurred"
-    return Finding("timestamp quantum", severity, words, {"quantum_us": step})
+    return Finding("timestamp quantum", severity, words, {"quantum_us": step_us})
 
 
 def polarities(on: NDArray[np.bool_]) -> Finding:

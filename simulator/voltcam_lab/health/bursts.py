@@ -1,4 +1,4 @@
-"""Events that come with the camera's frames: the moments around a frame to mask, and whether rows take turns.
+"""Events that come with the camera's frames: the moments around a frame to mask.
 
 A moment is one with more events than other moments of the same frames have: by a t test over the frames, so
 that a scene's own bursts do not count, at several widths, for ON and OFF, for pixels at rest and others.
@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from voltcam_lab.health.subject import Subject
-from voltcam_lab.windows import Mask
+from ..windows import Mask, Windows, around, joined, within
+from .row_scan import RowScan, without_delay_us
+from .subject import Subject
 
 _WIDTHS_US = (100, 400, 1600, 5000)
 _T_TEST = 5.0
@@ -21,11 +22,10 @@ _FEWEST = 20  # events of a moment
 _JOIN_US = 500
 _BEFORE_US = 100  # the least width: a row's delay is known less well than that
 _AFTER_US = 500  # of a row's kick: pixels that it made fire are missing among those about to
-_SHUFFLES = 19
 
 
 @dataclass(frozen=True)
-class Window:
+class FrameBurst:
     """begin_us, end_us: after a frame's time. on, off: how many times the usual rate; inf where that is 0."""
 
     begin_us: int
@@ -34,67 +34,41 @@ class Window:
     off: float
 
 
-@dataclass(frozen=True)
-class RowScan:
-    """Rows follow one another every us_per_row (negative: upwards)."""
+def find_bursts(subject: Subject, scan: RowScan | None) -> tuple[FrameBurst, ...]:
+    """The moments to mask, in order: as narrow as the bursts are, for all rows where those take turns.
 
-    us_per_row: float
-    score: float
-
-
-def phases(subject: Subject) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """The frame nearest to each event, and the event's time after it; index -1 if half a period away."""
-    frames = subject.light.t_us
-    after = np.clip(np.searchsorted(frames, subject.t_us), 1, len(frames) - 1)
-    nearer_before = subject.t_us - frames[after - 1] < frames[after] - subject.t_us
-    index = np.where(nearer_before, after - 1, after)
-    phase = subject.t_us - frames[index]
-    return np.where(np.abs(phase) < subject.period_us / 2, index, -1), phase
-
-
-def find_windows(subject: Subject) -> list[Window]:
-    """The moments to mask, in order: as narrow as the bursts are, for all rows where those take turns."""
-    index, phase = phases(subject)
-    near = index >= 0
-    spans = _spans(subject, index, phase, [near & (subject.on == on) for on in (True, False)])
+    scan: of the events at rest.
+    """
+    near, phase_us = subject.nearest_frame >= 0, subject.since_frame_us
+    spans = _spans(subject, phase_us, [near & (subject.on == on) for on in (True, False)])
     rest = near & subject.at_rest
-    spans += _spans(subject, index, phase, [rest & subject.on, rest & ~subject.on, rest])
-    scan = find_row_scan(subject, rest)
+    spans += _spans(subject, phase_us, [rest & subject.on, rest & ~subject.on, rest])
     if scan is not None:
-        last_us = round(scan.us_per_row * (subject.recording.height - 1))
-        for begin, end in _spans(subject, index, _straight(subject, phase, scan), [rest]):
+        last_us = round(scan.us_per_row * (subject.footage.height - 1))
+        for begin, end in _spans(subject, without_delay_us(subject, scan), [rest]):
             spans.append((begin + min(last_us, 0), end + max(last_us, 0)))
-    return [_window(subject, index, phase, begin, end) for begin, end in _joined(spans)]
+    return tuple(_burst(subject, begin, end) for begin, end in joined(spans, _JOIN_US).tolist())
 
 
-def find_mask(subject: Subject) -> Mask:
-    """What to leave out of each row: no more than its own moments where rows take turns."""
-    index, phase = phases(subject)
-    near, frame_t_us = index >= 0, subject.light.t_us
-    rest = near & subject.at_rest
-    scan = find_row_scan(subject, rest)
-    if scan is None:
-        return Mask(mask_of(find_windows(subject), frame_t_us))
-    straight = _straight(subject, phase, scan)
-    groups = [rest, near & subject.on, near & ~subject.on]
-    spans = _spans(subject, index, straight, groups)
-    spans = _joined([(begin - _BEFORE_US, end + _AFTER_US) for begin, end in spans])
-    kicked = np.zeros(phase.size, np.bool_)
-    for begin, end in spans:
-        kicked |= (straight >= begin) & (straight < end)
-    at_once = _joined(_spans(subject, index, phase, [group & ~kicked for group in groups]))
-    return Mask(spans_at(at_once, frame_t_us), spans_at(spans, frame_t_us), scan.us_per_row)
+def exposure_windows_of(bursts: Sequence[FrameBurst], frame_t_us: NDArray[np.int64]) -> Windows:
+    """The times of every burst at every frame."""
+    return around(frame_t_us, joined([(burst.begin_us, burst.end_us) for burst in bursts]))
 
 
-def _straight(subject: Subject, phase: NDArray[np.int64], scan: RowScan) -> NDArray[np.int64]:
-    """Phases without the rows' delay: the bursts are narrow and stand out."""
-    half_us = subject.period_us / 2
-    straight = (phase - scan.us_per_row * subject.y + half_us) % (2 * half_us) - half_us
-    return straight.astype(np.int64)
+def row_mask(subject: Subject, scan: RowScan) -> Mask:
+    """What to leave out of each row: no more than its own moments, as rows take turns."""
+    near = subject.nearest_frame >= 0
+    straight_us, frame_t_us = without_delay_us(subject, scan), subject.light.t_us
+    groups = [near & subject.at_rest, near & subject.on, near & ~subject.on]
+    found = [(begin - _BEFORE_US, end + _AFTER_US) for begin, end in _spans(subject, straight_us, groups)]
+    spans = joined(found, _JOIN_US)
+    kicked = within(straight_us, spans)
+    at_once = joined(_spans(subject, subject.since_frame_us, [group & ~kicked for group in groups]), _JOIN_US)
+    return Mask(around(frame_t_us, at_once), around(frame_t_us, spans), scan.us_per_row)
 
 
 def _spans(
-    subject: Subject, index: NDArray[np.int64], phase: NDArray[np.int64], groups: list[NDArray[np.bool_]]
+    subject: Subject, phase: NDArray[np.int64], groups: list[NDArray[np.bool_]]
 ) -> list[tuple[int, int]]:
     """Begin and end of the moments that have more events of one of the groups than others have."""
     half_us = round(subject.period_us / 2)
@@ -112,57 +86,12 @@ def _spans(
         new = np.zeros(bins, np.bool_)
         for group in groups:
             fresh = group & ~found[place]
-            cells = index[fresh] * bins + bin_of_us[place[fresh]]
+            cells = subject.nearest_frame[fresh] * bins + bin_of_us[place[fresh]]
             counts = np.bincount(cells, minlength=len(subject.light.t_us) * bins).reshape(-1, bins)
             new[usable] |= _excess(counts[:, usable] / free[usable])
         found |= new[bin_of_us]
     edges = np.flatnonzero(np.diff(np.concatenate([[False], found, [False]]))) - half_us
     return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
-
-
-def mask_of(windows: list[Window], frame_t_us: NDArray[np.int64]) -> NDArray[np.int64]:
-    """(M, 2) begin and end of every window at every frame, sorted, joined where they overlap."""
-    return spans_at([(window.begin_us, window.end_us) for window in windows], frame_t_us)
-
-
-def spans_at(spans: Sequence[tuple[int, int]], frame_t_us: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The same of spans [us] about the frames' times."""
-    begins, ends = np.array(spans, np.int64).reshape(-1, 2).T
-    pairs = zip(
-        (frame_t_us[:, None] + begins).ravel().tolist(),
-        (frame_t_us[:, None] + ends).ravel().tolist(),
-        strict=True,
-    )
-    return np.array(_joined(list(pairs), gap=0), np.int64).reshape(-1, 2)
-
-
-def find_row_scan(subject: Subject, chosen: NDArray[np.bool_]) -> RowScan | None:
-    """How the chosen events run over the rows after each frame, if they do: the slope that makes their times
-    after the frame fall together best, against the same events with their rows exchanged."""
-    index, phase = phases(subject)
-    events = np.flatnonzero(chosen & (index >= 0))
-    events = events[:: max(1, events.size // 5000)]
-    if events.size < 200:
-        return None
-    t, y = phase[events].astype(np.float64), subject.y[events].astype(np.float64)
-    period_us, rows = subject.period_us, subject.recording.height
-    steepest = 1.1 * period_us / rows
-    slopes = np.arange(-steepest, steepest, 250 / rows)
-
-    def gathered(y: NDArray[np.float64], slopes: NDArray[np.float64], width_us: float) -> NDArray[np.float64]:
-        bins = int(period_us // width_us)
-        places = ((t - slopes[:, None] * y) % period_us * bins / period_us).astype(np.int64) % bins
-        return np.array([np.sum(np.bincount(place, minlength=bins) ** 2.0) for place in places], np.float64)
-
-    scores = gathered(y, slopes, 250)
-    rng = np.random.default_rng(0)
-    null = np.array([gathered(rng.permutation(y), slopes, 250).max() for _ in range(_SHUFFLES)])
-    score = float((scores.max() - null.mean()) / max(null.std(ddof=1), 1e-9))
-    if score < 6:
-        return None
-    fine = slopes[int(np.argmax(scores))] + np.linspace(-1, 1, 81) * 500 / rows
-    slope = float(fine[int(np.argmax(gathered(y, fine, 100)))])
-    return RowScan(slope, score) if abs(slope) * rows > 500 else None
 
 
 def _excess(counts: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -183,19 +112,8 @@ def _excess(counts: NDArray[np.float64]) -> NDArray[np.bool_]:
     return found
 
 
-def _joined(spans: Sequence[tuple[float, float]], gap: float = _JOIN_US) -> list[tuple[int, int]]:
-    joined: list[tuple[int, int]] = []
-    for begin, end in sorted((round(begin), round(end)) for begin, end in spans):
-        if joined and begin <= joined[-1][1] + gap:
-            joined[-1] = (joined[-1][0], max(joined[-1][1], end))
-        else:
-            joined.append((begin, end))
-    return joined
-
-
-def _window(
-    subject: Subject, index: NDArray[np.int64], phase: NDArray[np.int64], begin: int, end: int
-) -> Window:
+def _burst(subject: Subject, begin: int, end: int) -> FrameBurst:
+    index, phase = subject.nearest_frame, subject.since_frame_us
     inside = (index >= 0) & (phase >= begin) & (phase < end)
     outside = (index >= 0) & ~inside
     length, rest = end - begin, subject.period_us - (end - begin)
@@ -205,4 +123,4 @@ def _window(
         here = np.count_nonzero(inside & (subject.on == on)) / length
         return float(here / usual) if usual else float("inf")
 
-    return Window(begin, end, ratio(True), ratio(False))
+    return FrameBurst(begin, end, ratio(True), ratio(False))

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from voltcam_lab.health.finding import Answer, Determination, Finding
-from voltcam_lab.health.light import DARK_DN
-from voltcam_lab.health.subject import Subject
+from ..light.grey import USUAL_DARK_DN
+from .finding import Answer, Determination, Finding
+from .subject import Subject
 
 _BINS_DN = np.arange(0, 257, 32)
 
@@ -16,7 +16,7 @@ class Content:
     """Counts of what the answers rest on. `clean`: (n,) the events outside masks, of healthy pixels."""
 
     def __init__(self, subject: Subject, clean: NDArray[np.bool_], masked_share: float) -> None:
-        light, events = subject.light, subject.recording.events
+        light, events = subject.light, subject.footage.events
         self.level, self.size, self.rate = light.changes()
         seconds = np.diff(light.t_us) / 1e6
         per_pixel_s = np.einsum("t,thw->hw", seconds.astype(np.float32), light.at_rest)
@@ -93,7 +93,7 @@ class Content:
         if min(self.moving) < 500 or self.size.size < 500:
             return Determination(names, "no", "too few events of moving light", {"events": sum(self.moving)})
         low, high = np.quantile(self.level, [0.1, 0.9]).tolist()
-        ratio = (high + DARK_DN) / (low + DARK_DN)
+        ratio = (high + USUAL_DARK_DN) / (low + USUAL_DARK_DN)
         numbers = {"level_dn": [low, high], "ratio": ratio, "events": sum(self.moving)}
         if ratio >= 3:
             return Determination(names, "yes", f"moving light from {low:.0f} to {high:.0f} DN", numbers)

@@ -17,6 +17,15 @@ class Finding:
     numbers: dict[str, Any]
 
 
+class EventsLate(Finding):
+    """Events that come later than light explains: another clock, or a readout that cannot keep up."""
+
+    @property
+    def late_us(self) -> float:
+        """Behind the light of the frames."""
+        return float(self.numbers["late_us"])
+
+
 @dataclass(frozen=True)
 class Determination:
     """Whether this recording fixes some parameters, and why or why not, in a line."""

@@ -1,12 +1,16 @@
 """Findings on the sensor and its readout: saturation, pixels at fault, gaps, frame-locked events, rows."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
-from voltcam_lab.health.bursts import Window, find_row_scan
-from voltcam_lab.health.clock import find_lag
-from voltcam_lab.health.finding import Finding
-from voltcam_lab.health.subject import Subject, within
+from ..windows import Windows, total_us, within
+from .bursts import FrameBurst
+from .finding import EventsLate, Finding
+from .lag import Lag
+from .row_scan import RowScan
+from .subject import Subject
 
 _CLIPPED = 0.01
 _TEXTURE_DN = 10.0
@@ -21,8 +25,7 @@ _SURE = 6.0  # standard deviations of the lag search: its highest of hundreds by
 
 def light(subject: Subject) -> list[Finding]:
     """Lens cap, saturation, and whether events follow the light at all."""
-    images = subject.recording.frames
-    assert images is not None
+    images = subject.footage.frames
     mean = subject.light.mean_dn
     texture = float(np.quantile(mean, 0.99) - np.quantile(mean, 0.01))
     bright = float(np.quantile(mean, 0.99))
@@ -61,9 +64,8 @@ def light(subject: Subject) -> list[Finding]:
     return findings
 
 
-def clock(subject: Subject) -> Finding:
+def clock(subject: Subject, lag: Lag) -> Finding:
     """Whether the events follow the frames' light, and how much later."""
-    lag = find_lag(subject)
     numbers = {key: float(value) for key, value in vars(lag).items()}
     if lag.reversed > max(_REVERSED, 2 * lag.correlation):
         words = "the events follow the light with ON and OFF exchanged: turn their polarity round"
@@ -81,7 +83,7 @@ def clock(subject: Subject) -> Finding:
     sure_us = 3 * lag.uncertainty_us
     if lag.lag_us - sure_us > late_us or lag.lag_us + sure_us < -early_us:
         words = f"frames and events are on different clocks: {words}; shift the frames' times by it"
-        return Finding("clock", "fatal", words, {**numbers, "late_us": lag.lag_us})
+        return EventsLate("clock", "fatal", words, {**numbers, "late_us": lag.lag_us})
     drifts = abs(lag.drift_ppm) > 2000 and abs(lag.drift_ppm) > 5 * lag.drift_uncertainty_ppm
     if drifts:
         words += f"; the clocks drift apart by {lag.drift_ppm:.0f} ppm"
@@ -109,7 +111,7 @@ def event_gaps(subject: Subject) -> Finding:
 
 def faulty_pixels(subject: Subject, hot: NDArray[np.bool_], silent: NDArray[np.bool_]) -> list[Finding]:
     """Which pixels are hot, which silent."""
-    counts = subject.counts(np.ones(subject.t_us.size, np.bool_))
+    counts = subject.all_counts
     ys, xs = np.nonzero(hot)
     order = np.argsort(-counts[hot])
     listed = [(int(xs[i]), int(ys[i])) for i in order]
@@ -123,44 +125,41 @@ def faulty_pixels(subject: Subject, hot: NDArray[np.bool_], silent: NDArray[np.b
     return [first, Finding("silent pixels", "limits" if where else "good", words, {"xy": where})]
 
 
-def frame_locked(subject: Subject, windows: list[Window], mask: NDArray[np.int64]) -> list[Finding]:
-    """Events that come with the frames, and whether rows take turns in them."""
-    inside = within(subject.t_us, mask)
+def frame_locked(subject: Subject, bursts: Sequence[FrameBurst], windows: Windows) -> Finding:
+    """Events that come with the frames. windows: the times of all bursts."""
+    inside = within(subject.t_us, windows)
     span = float(subject.light.t_us[-1] - subject.light.t_us[0])
-    time_share = float((mask[:, 1] - mask[:, 0]).sum() / span) if len(mask) else 0.0
+    time_share = total_us(windows) / span
     shares = {
         "at_rest": float(inside[subject.at_rest].mean()) if subject.at_rest.any() else 0.0,
         "all": float(inside.mean()),
     }
     numbers = {
-        "windows": [vars(window) for window in windows],
+        "windows": [vars(burst) for burst in bursts],
         "event_share": shares,
         "time_share": time_share,
     }
-    if windows:
-        where = ", ".join(f"{w.begin_us}..{w.end_us} us ({_times(w)})" for w in windows[:4])
-        where += f" and {len(windows) - 4} more" if len(windows) > 4 else ""
-        words = (
-            f"events are locked to the frames, {where} after a frame's time: {shares['at_rest']:.0%} of the "
-            f"events at rest, {shares['all']:.0%} of all; masking takes {time_share:.0%} of the time"
-        )
-        locked = Finding("frame-locked events", "limits", words, numbers)
-    else:
-        locked = Finding("frame-locked events", "good", "events do not come with the frames", numbers)
-    return [locked, _rows(subject, inside)]
+    if not bursts:
+        return Finding("frame-locked events", "good", "events do not come with the frames", numbers)
+    where = ", ".join(f"{one.begin_us}..{one.end_us} us ({_times(one)})" for one in bursts[:4])
+    where += f" and {len(bursts) - 4} more" if len(bursts) > 4 else ""
+    words = (
+        f"events are locked to the frames, {where} after a frame's time: {shares['at_rest']:.0%} of the "
+        f"events at rest, {shares['all']:.0%} of all; masking takes {time_share:.0%} of the time"
+    )
+    return Finding("frame-locked events", "limits", words, numbers)
 
 
-def _times(window: Window) -> str:
-    polarity, ratio = ("ON", window.on) if window.on >= window.off else ("OFF", window.off)
+def _times(burst: FrameBurst) -> str:
+    polarity, ratio = ("ON", burst.on) if burst.on >= burst.off else ("OFF", burst.off)
     return f"{polarity} x{ratio:.1f}"
 
 
-def _rows(subject: Subject, inside: NDArray[np.bool_]) -> Finding:
+def row_readout(subject: Subject, scan: RowScan | None) -> Finding:
+    """Whether rows are read together, or one after the other."""
     same_t, same_row = np.diff(subject.t_us) == 0, np.diff(subject.y) == 0
     together = float(same_row[same_t].mean()) if same_t.sum() >= 100 else 0.0
     apart = float(same_row[~same_t].mean()) if not same_t.all() else 0.0
-    at_rest = subject.at_rest & (subject.interval >= 0)
-    scan = find_row_scan(subject, at_rest) or find_row_scan(subject, inside)
     numbers = {
         "shared_stamp_share": float(same_t.mean()),
         "in_one_row": together,

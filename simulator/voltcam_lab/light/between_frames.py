@@ -4,7 +4,7 @@ A simulator takes both for changes of the light: noise from frame to frame, and,
 sharp to blurred and back, since frames moved by parts of a pixel and laid over one another blur.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -23,9 +23,46 @@ NEAR_PIXELS = 1.5  # noise is a pixel's own, motion is its neighbours', too
 WIDEST = 0.8  # pixels: the blur of linear interpolation half-way between four pixels is 0.7
 HALVINGS = 5
 ALIKE = 1.02  # ratio of powers that needs no blur
+WELL_SAMPLED = 0.9  # share of the light that is trusted from which nothing better than a cubic is looked for
+HOPELESS = 0.4  # of the brightness: light that is less sure tells nothing more
 
 Image = NDArray[np.float32]
 Images = NDArray[np.float32]
+
+
+def mean_doubt(scene: Scene) -> float:
+    """How unsure the light is, of the brightness; all the same from HOPELESS on."""
+    return float(np.minimum(scene.unsure, HOPELESS).mean())
+
+
+def untrusted_share(scene: Scene) -> float:
+    """Of pixels and time."""
+    return float(np.mean(~scene.trusted()))
+
+
+def scene_between(
+    frames: NDArray[Any],
+    frame_t_us: NDArray[np.int64],
+    columns: NDArray[np.int64] | None = None,
+    doubt: Callable[[Scene], float] = mean_doubt,
+) -> Scene:
+    """The light of frames (M, H, W) and between them, by a cubic or by motion: that with less doubt.
+
+    columns: only these of the picture.
+    """
+    cubic = scene_of(frames if columns is None else frames[:, :, columns], frame_t_us, "cubic")
+    if cubic.trusted().mean() > WELL_SAMPLED:
+        return cubic
+    moved = scene_of(frames, frame_t_us, "auto")  # motion is seen in whole frames
+    return min(cubic, moved if columns is None else _in_columns(moved, columns), key=doubt)
+
+
+def _in_columns(scene: Scene, columns: NDArray[np.int64]) -> Scene:
+    """Some columns of it, with the surprise of the whole: their own would come from narrow strips."""
+    surprise = scene.surprise.reshape(len(scene.taken), scene.height, scene.width)[:, :, columns]
+    part = replace(scene, taken=scene.taken[:, :, columns], images=scene.images[:, :, columns])
+    part.__dict__["surprise"] = surprise.reshape(len(scene.taken), -1)
+    return part
 
 
 def calmed(scene: Scene) -> Scene:

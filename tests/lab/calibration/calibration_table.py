@@ -16,8 +16,9 @@ from pathlib import Path
 import numpy as np
 from tests.generator import draw_base, draw_scene, record
 
-from voltcam_lab.calibration.calibrate import Calibration, Reading, calibrate, scene_between
+from voltcam_lab.calibration.calibrate import Calibration, Reading, calibrate
 from voltcam_lab.calibration.estimates import Estimate
+from voltcam_lab.light.between_frames import scene_between
 
 NAMES = {"k2_dn": "k2", "k4_per_us": "k4", "k5_per_dn_us": "k5"}
 FIRST_SEED = 300

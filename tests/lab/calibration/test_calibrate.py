@@ -12,8 +12,9 @@ import pytest
 from tests.lab.calibration.calibration_table import Row, reading_of, rows_of
 
 from voltcam_lab.calibration.calibrate import Calibration, CalibrationError, Reading, calibrate
-from voltcam_lab.health import exposure_windows, frame_mask
+from voltcam_lab.health import inspect
 from voltcam_lab.recordings import load
+from voltcam_lab.windows import total_us
 
 DATA = Path(os.environ.get("VOLTCAM_DATA", Path(__file__).parents[4] / "shared" / "data"))
 DRIFT = ("k1", "k2", "k4", "k5", "theta_on", "theta_off")
@@ -78,13 +79,11 @@ def test_too_few_events_is_a_verdict() -> None:
 )
 def test_rows_of_the_street_lose_a_twentieth_of_their_time() -> None:
     recording = load(DATA / "davis346_street" / "davis346.aedat4")
-    assert recording.frame_t_us is not None
     span = int(recording.frame_t_us[0]), int(recording.frame_t_us[-1])
-    mask = frame_mask(recording)
+    inspection = inspect(recording)
+    mask = inspection.mask
     assert mask.us_per_row == pytest.approx(35.25, abs=0.5)
-    assert (
-        mask.share(*span) < 0.06 < float((np.diff(exposure_windows(recording))).sum()) / (span[1] - span[0])
-    )
+    assert mask.share(*span) < 0.06 < total_us(inspection.exposure_windows) / (span[1] - span[0])
     t_us, y = recording.events["t"].astype(np.float64), recording.events["y"].astype(np.int64)
     locked = mask.start(t_us, y) < t_us
     assert 0.07 < locked.mean() < 0.2  # of all events: twice what so much time has elsewhere

@@ -13,6 +13,7 @@ from voltcam_client.formats import open_writer
 from voltcam_lab.calibration import cli as cli_calibrate
 from voltcam_lab.calibration.calibrate import CalibrationError
 from voltcam_lab.calibration.camera_from import camera_from
+from voltcam_lab.health import inspect
 from voltcam_lab.recordings import load
 from voltcam_simulator import Camera, Simulator
 
@@ -109,4 +110,4 @@ def test_wrong_arguments_are_told_before_the_work(
         parser.parse_args([str(recording), "--out", "mine.txt"])
     assert "ends in .yaml" in capsys.readouterr().err
     with pytest.raises(CalibrationError, match="346x260"):
-        camera_from(load(recording), base=Camera.load("davis346"))
+        camera_from(inspect(load(recording)), base=Camera.load("davis346"))

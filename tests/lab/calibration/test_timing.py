@@ -7,8 +7,9 @@ import pytest
 from tests.generator import Effect, draw_base, draw_scene, record
 
 from voltcam_lab.calibration.fit import maximise
-from voltcam_lab.calibration.reading import Reading, scene_between
+from voltcam_lab.calibration.reading import Reading
 from voltcam_lab.calibration.timing import find_times
+from voltcam_lab.light.between_frames import scene_between
 
 HELD_US = 2000.0
 

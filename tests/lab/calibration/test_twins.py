@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from voltcam_lab.calibration.fit import NAMES, fit
-from voltcam_lab.calibration.reading import Reading, scene_between
+from voltcam_lab.calibration.reading import Reading
 from voltcam_lab.calibration.twins import retake, twin, unbiased
+from voltcam_lab.light.between_frames import scene_between
 from voltcam_lab.light.scene import Scene
 from voltcam_simulator import Parameters
 

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from tests.generator import draw_base, draw_effect, draw_scene, record
 
-from voltcam_client.formats import Recording
 from voltcam_lab.diagnosis.catalogue.catalogue import Candidate, catalogue
 from voltcam_lab.diagnosis.search import step
 from voltcam_lab.diagnosis.search.identify import Identifiability, identify
 from voltcam_lab.diagnosis.search.loop import Diagnosis, diagnose
 from voltcam_lab.diagnosis.session import Session, session_of
-from voltcam_lab.recordings import load
+from voltcam_lab.health import inspect
+from voltcam_lab.recordings import Footage, load
 from voltcam_simulator import Camera
 
 FEW_TWINS = range(1000, 1008)
@@ -49,7 +49,7 @@ def tiny_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def tiny(tiny_path: Path) -> Recording:
+def tiny(tiny_path: Path) -> Footage:
     return load(tiny_path)
 
 
@@ -64,11 +64,11 @@ def quick_search() -> Iterator[None]:
 
 
 @pytest.fixture(scope="session")
-def done(tiny: Recording, tmp_path_factory: pytest.TempPathFactory) -> Done:
+def done(tiny: Footage, tmp_path_factory: pytest.TempPathFactory) -> Done:
     folder = tmp_path_factory.mktemp("done") / ".voltcam-runs"
     sentences: list[str] = []
     with quick_search():
-        session = session_of(tiny, Camera.load("paper"), folder, name="tiny.npz")
+        session = session_of(inspect(tiny), Camera.load("paper"), folder, name="tiny.npz")
         told = identify(session.rig, session.model, session.candidates, FEW_TWINS)
         diagnosis = diagnose(session.rig, session.data, session.model, session.candidates, sentences.append)
     return Done(session, told, diagnosis, sentences)

@@ -4,9 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from voltcam_client.formats import Recording
 from voltcam_lab.diagnosis.search.excess import own_effects, without_excess
 from voltcam_lab.diagnosis.session import session_of
+from voltcam_lab.health import inspect
+from voltcam_lab.recordings import Footage
 from voltcam_simulator import Camera
 
 PAPER = Camera.load("paper")
@@ -23,11 +24,11 @@ PAPER = Camera.load("paper")
     ids=["none", "one that is there", "noise that is not", "what is not like what is there"],
 )
 def test_effects_that_the_recording_does_not_show_are_taken_out(
-    tiny: Recording, tmp_path: Path, effects: dict[str, dict[str, float]], out: bool
+    tiny: Footage, tmp_path: Path, effects: dict[str, dict[str, float]], out: bool
 ) -> None:
     """The recording has a refractory period of 6 ms, and no other effect."""
     camera = PAPER.model_copy(update={"parameters": PAPER.parameters.changed(effects)})
-    session, said = session_of(tiny, camera, tmp_path), list[str]()
+    session, said = session_of(inspect(tiny), camera, tmp_path), list[str]()
     assert set(own_effects(session)) == set(effects)
     bare = without_excess(session, said.append)
     assert (bare is not None) == out

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from voltcam_client.formats import Recording
 from voltcam_lab.diagnosis.catalogue.catalogue import catalogue
 from voltcam_lab.diagnosis.rig.part import cut, sample
 from voltcam_lab.diagnosis.rig.rig import Rig
 from voltcam_lab.diagnosis.rig.stored import StoredRig
 from voltcam_lab.diagnosis.session import DiagnosisError, session_of
-from voltcam_lab.recordings import load
+from voltcam_lab.health import inspect
+from voltcam_lab.recordings import Footage, load
 from voltcam_simulator import EVENT, Camera, Parameters
 
 DATA = Path(os.environ.get("VOLTCAM_DATA", Path(__file__).parents[4] / "shared" / "data"))
@@ -21,9 +21,9 @@ SEEDS = [1, 2]
 PAPER = Camera.load("paper")
 
 
-def refused(recording: Recording, folder: Path, **arguments: float) -> str:
+def refused(recording: Footage, folder: Path, **arguments: float) -> str:
     with pytest.raises(DiagnosisError) as caught:
-        session_of(recording, PAPER, folder, name="bad.npz", **arguments)  # type: ignore[arg-type]
+        session_of(inspect(recording), PAPER, folder, name="bad.npz", **arguments)  # type: ignore[arg-type]
     text = str(caught.value)
     assert "\n" not in text
     assert "bad.npz" in text
@@ -31,37 +31,35 @@ def refused(recording: Recording, folder: Path, **arguments: float) -> str:
     return text
 
 
-def test_what_a_recording_lacks_is_said_in_a_line(tiny: Recording, tmp_path: Path) -> None:
-    assert "frames" in refused(replace(tiny, frames=None, frame_t_us=None), tmp_path)
+def test_what_a_recording_lacks_is_said_in_a_line(tiny: Footage, tmp_path: Path) -> None:
+    few = replace(tiny, frames=tiny.frames[:3], frame_t_us=tiny.frame_t_us[:3])
+    assert "only 3 frames" in refused(few, tmp_path)
     assert "events" in refused(replace(tiny, events=np.empty(0, EVENT)), tmp_path)
     assert "fewer than 10 frames" in refused(tiny, tmp_path, seconds=0.01)
-    assert tiny.frames is not None
     refused(replace(tiny, frames=np.zeros_like(tiny.frames)), tmp_path)
 
 
-def late(recording: Recording, by_us: int) -> Recording:
+def late(recording: Footage, by_us: int) -> Footage:
     events = recording.events.copy()
     events["t"] += by_us
     return replace(recording, events=events)
 
 
 @pytest.mark.parametrize("by_us", [3_600_000_000, 200_000])
-def test_events_of_another_clock_are_refused(tiny: Recording, tmp_path: Path, by_us: int) -> None:
+def test_events_of_another_clock_are_refused(tiny: Footage, tmp_path: Path, by_us: int) -> None:
     refused(late(tiny, by_us), tmp_path)
 
 
-def test_events_that_may_have_queued_are_looked_at(tiny: Recording, tmp_path: Path) -> None:
-    session = session_of(late(tiny, 60_000), PAPER, tmp_path)
+def test_events_that_may_have_queued_are_looked_at(tiny: Footage, tmp_path: Path) -> None:
+    session = session_of(inspect(late(tiny, 60_000)), PAPER, tmp_path)
     assert session.health["clock"].severity == "fatal"
     assert session.data.any()
 
 
-def test_a_camera_that_gives_no_events_yet_is_not_silent(tiny: Recording) -> None:
+def test_a_camera_that_gives_no_events_yet_is_not_silent(tiny: Footage) -> None:
     t_us = tiny.events["t"]
     for kept in (t_us > 500_000, t_us < 1_500_000):
         part = cut(replace(tiny, events=tiny.events[kept]), 10)
-        assert part.frame_t_us is not None
-        assert part.frames is not None
         assert len(part.frames) == len(part.frame_t_us)
         assert len(part.events) == kept.sum()
         begin, end = part.events["t"][0] - part.frame_t_us[0], part.frame_t_us[-1] - part.events["t"][-1]
@@ -69,10 +67,8 @@ def test_a_camera_that_gives_no_events_yet_is_not_silent(tiny: Recording) -> Non
         assert np.ptp(part.frame_t_us) == pytest.approx(1_500_000, abs=10_000)
 
 
-def test_light_that_is_known_nowhere_tells_nothing(tiny: Recording, tmp_path: Path) -> None:
+def test_light_that_is_known_nowhere_tells_nothing(tiny: Footage, tmp_path: Path) -> None:
     """Each frame is another picture: between them there may have been anything."""
-    assert tiny.frames is not None
-    assert tiny.frame_t_us is not None
     noise = np.random.default_rng(1).integers(0, 255, (40, *tiny.frames.shape[1:]), np.uint8)
     other = replace(tiny, frames=noise, frame_t_us=np.arange(40) * 50_000)
     assert "events 0 are where the light between frames is known" in refused_after(other, tmp_path)
@@ -83,29 +79,29 @@ def test_of_a_street_pixels_at_rest_are_enough(tmp_path: Path) -> None:
     path = DATA / "davis346_street" / "davis346.aedat4"
     if not path.exists():
         pytest.skip("no davis346_street in ../shared/data or $VOLTCAM_DATA")
-    told = session_of(load(path), PAPER, tmp_path).looked_at()
+    told = session_of(inspect(load(path)), PAPER, tmp_path).looked_at()
     assert "is known for 96% of pixels and time, with 1.0% of the events" in told
 
 
-def refused_after(recording: Recording, folder: Path) -> str:
+def refused_after(recording: Footage, folder: Path) -> str:
     with pytest.raises(DiagnosisError) as caught:
-        session_of(recording, PAPER, folder, name="bad.npz")
+        session_of(inspect(recording), PAPER, folder, name="bad.npz")
     return str(caught.value)
 
 
 def test_a_session_has_the_recording_s_size_and_looks_at_all_of_a_small_sensor(
-    tiny: Recording, tmp_path: Path
+    tiny: Footage, tmp_path: Path
 ) -> None:
-    session = session_of(tiny, PAPER, tmp_path)
+    session = session_of(inspect(tiny), PAPER, tmp_path)
     assert (session.camera.width, session.camera.height) == (32, 24)
     assert session.columns.tolist() == list(range(32))
     assert session.seconds == pytest.approx(2.0, abs=0.01)
     assert "all 32 x 24 pixels" in session.looked_at()
 
 
-def test_effects_of_the_camera_file_are_not_searched(tiny: Recording, tmp_path: Path) -> None:
+def test_effects_of_the_camera_file_are_not_searched(tiny: Footage, tmp_path: Path) -> None:
     parameters = PAPER.parameters.changed({"refractory_period": {"period_us": 500}})
-    session = session_of(tiny, PAPER.model_copy(update={"parameters": parameters}), tmp_path)
+    session = session_of(inspect(tiny), PAPER.model_copy(update={"parameters": parameters}), tmp_path)
     assert "refractory_period" in session.left_out
     assert "refractory_period" not in {one.effect for one in session.candidates}
     assert "comparator" in {one.effect for one in session.candidates}
@@ -126,7 +122,7 @@ def test_effects_of_the_camera_file_are_not_searched(tiny: Recording, tmp_path: 
     ],
 )
 def test_what_the_file_has_of_an_effect_is_not_written_over(
-    tiny: Recording,
+    tiny: Footage,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     in_file: dict[str, dict[str, float]],
@@ -136,31 +132,30 @@ def test_what_the_file_has_of_an_effect_is_not_written_over(
     (effect,) = in_file
     camera = PAPER.model_copy(update={"parameters": PAPER.parameters.changed(in_file)})
     all_names, names = (
-        {one.names for one in session_of(tiny, each, tmp_path).candidates if one.effect == effect}
+        {one.names for one in session_of(inspect(tiny), each, tmp_path).candidates if one.effect == effect}
         for each in (PAPER, camera)
     )
     assert all_names - names == not_searched
 
 
 def test_what_is_in_step_with_the_recording_s_clock_is_found_and_written_on_it(
-    tiny: Recording, tmp_path: Path
+    tiny: Footage, tmp_path: Path
 ) -> None:
-    assert tiny.frame_t_us is not None
     late = 4_032_000
     events = tiny.events.copy()
     events["t"] += late
     later = replace(tiny, events=events, frame_t_us=tiny.frame_t_us + late)
     lit = PAPER.parameters.changed({"flicker": {"depth": 0.05, "phase_turns": 0.1}})
     camera = PAPER.model_copy(update={"parameters": lit})
-    here, there = (session_of(one, camera, tmp_path) for one in (tiny, later))
+    here, there = (session_of(inspect(one), camera, tmp_path) for one in (tiny, later))
     assert (here.origin_us, there.origin_us) == (0, late)
     assert here.model.start == lit
     turns = there.model.start.flicker.phase_turns
     assert turns == pytest.approx(0.3)  # 403.2 periods later
 
 
-def test_of_a_large_sensor_strips_of_whole_columns_are_looked_at(tiny: Recording, tmp_path: Path) -> None:
-    session = session_of(tiny, PAPER, tmp_path, most_samples=401 * 24 * 16)
+def test_of_a_large_sensor_strips_of_whole_columns_are_looked_at(tiny: Footage, tmp_path: Path) -> None:
+    session = session_of(inspect(tiny), PAPER, tmp_path, most_samples=401 * 24 * 16)
     columns = session.columns
     assert len(columns) == 16
     assert session.rig.setting.scene.images.shape[1:] == (24, 16)
@@ -174,14 +169,14 @@ def test_of_a_large_sensor_strips_of_whole_columns_are_looked_at(tiny: Recording
 
 @pytest.mark.parametrize(("lamp_hz", "columns"), [(100, 32), (1000, 18), (5000, 12)])
 def test_of_a_camera_that_takes_many_steps_less_is_looked_at(
-    tiny: Recording, lamp_hz: float, columns: int
+    tiny: Footage, lamp_hz: float, columns: int
 ) -> None:
     """A lamp of 1 kHz has the simulator stop every 62 us: 24 million steps of a pixel in 2 s."""
     fast = PAPER.parameters.changed({"flicker": {"frequency_hz": lamp_hz, "depth": 0.1}})
     assert len(sample(tiny, 10**9, fast.longest_step_us)) == columns
 
 
-def test_strips_are_where_most_and_where_little_changes(tiny: Recording) -> None:
+def test_strips_are_where_most_and_where_little_changes(tiny: Footage) -> None:
     frames = np.full((20, 24, 32), 100, np.uint8)
     frames[::2, :, 8:14] = 50
     columns = sample(replace(tiny, frames=frames), 20 * 24 * 12)
@@ -189,18 +184,16 @@ def test_strips_are_where_most_and_where_little_changes(tiny: Recording) -> None
     assert len(set(columns.tolist()) - set(range(6, 18))) == 6
 
 
-def test_cut_leaves_events_and_frames_of_the_same_time(tiny: Recording) -> None:
+def test_cut_leaves_events_and_frames_of_the_same_time(tiny: Footage) -> None:
     part = cut(tiny, 0.5)
-    assert part.frame_t_us is not None
-    assert part.frames is not None
     assert len(part.frames) == len(part.frame_t_us) == 101
     assert part.events["t"].max() <= part.frame_t_us[-1] == 500_000
 
 
 def test_runs_are_kept_and_a_broken_one_is_made_anew(
-    tiny: Recording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tiny: Footage, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    session = session_of(tiny, PAPER, tmp_path / "runs")
+    session = session_of(inspect(tiny), PAPER, tmp_path / "runs")
     parameters, made = Parameters.of("paper"), list[int]()
     simulate = Rig.events
 
@@ -228,8 +221,8 @@ def test_runs_are_kept_and_a_broken_one_is_made_anew(
     assert [path.name for path in (tmp_path / "runs").iterdir()] == ["diary.txt"]
 
 
-def test_progress_tells_of_each_batch_and_run(tiny: Recording, tmp_path: Path) -> None:
-    session = session_of(tiny, PAPER, tmp_path)
+def test_progress_tells_of_each_batch_and_run(tiny: Footage, tmp_path: Path) -> None:
+    session = session_of(inspect(tiny), PAPER, tmp_path)
     batches, ended = list[int](), list[int]()
     session.rig.batch, session.rig.done = batches.append, ended.append
     session.rig.means([PAPER.parameters], range(3))
@@ -238,12 +231,11 @@ def test_progress_tells_of_each_batch_and_run(tiny: Recording, tmp_path: Path) -
     assert sum(ended) == 6
 
 
-def test_the_clock_of_the_recording_does_not_matter(tiny: Recording, tmp_path: Path) -> None:
-    assert tiny.frame_t_us is not None
+def test_the_clock_of_the_recording_does_not_matter(tiny: Footage, tmp_path: Path) -> None:
     late, events = 394_137_685 * 4_032_000, tiny.events.copy()
     events["t"] += late
     later = replace(tiny, events=events, frame_t_us=tiny.frame_t_us + late)
-    session, other = (session_of(one, PAPER, tmp_path) for one in (tiny, later))
+    session, other = (session_of(inspect(one), PAPER, tmp_path) for one in (tiny, later))
     np.testing.assert_array_equal(session.data, other.data)
     assert session.candidates == other.candidates
     for one in other.candidates:

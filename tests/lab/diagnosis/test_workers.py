@@ -12,12 +12,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from voltcam_client.formats import Recording
 from voltcam_lab.diagnosis.rig.rig import Rig
 from voltcam_lab.diagnosis.rig.stored import StoredRig
 from voltcam_lab.diagnosis.search.loop import diagnose
 from voltcam_lab.diagnosis.session import session_of
+from voltcam_lab.health import inspect
 from voltcam_lab.light.scene import scene_of
+from voltcam_lab.recordings import Footage
 from voltcam_lab.statistics import setting_of
 from voltcam_simulator import Camera, Parameters
 
@@ -54,10 +55,10 @@ def test_they_see_what_one_process_sees(tmp_path: Path) -> None:
     assert not (tmp_path / "two").exists()
 
 
-def test_a_diagnosis_with_them_is_the_same(done: Done, tiny: Recording, tmp_path: Path) -> None:
+def test_a_diagnosis_with_them_is_the_same(done: Done, tiny: Footage, tmp_path: Path) -> None:
     """Trials are fitted side by side then."""
     with quick_search():
-        session = session_of(tiny, Camera.load("paper"), tmp_path, processes=3)
+        session = session_of(inspect(tiny), Camera.load("paper"), tmp_path, processes=3)
         diagnosis = diagnose(session.rig, session.data, session.model, session.candidates, lambda _: None)
         session.rig.end()
     assert diagnosis.model.parameters() == done.diagnosis.model.parameters()

@@ -283,8 +283,6 @@ def test_too_few_events_are_no_distance() -> None:
 def test_the_floors_of_a_real_recording() -> None:
     """As another implementation found them: W1 .002, TVs .010, pair .002, b4 .977, AUC .51."""
     recording = load(DATA / "slider_depth")
-    assert recording.frames is not None
-    assert recording.frame_t_us is not None
     t_us = recording.frame_t_us
     windows = np.concatenate([t_us[:, None] + window for window in ([-400, -50], [550, 1500])])
     region = Region.whole(240, 180, int(t_us[0]), int(t_us[-1])).without(windows)

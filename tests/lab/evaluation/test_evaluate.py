@@ -9,13 +9,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from voltcam_client.formats import Recording, open_writer
+from voltcam_client.formats import open_writer
 from voltcam_lab.distances import HEADLINES, MEASURES, held_out
 from voltcam_lab.evaluation import cli as cli_evaluate
 from voltcam_lab.evaluation import contenders
 from voltcam_lab.evaluation.evaluate import Evaluation, evaluate, yardstick_of
+from voltcam_lab.health import Inspection, inspect
 from voltcam_lab.light.scene import scene_of
 from voltcam_lab.models.model import MODELS, simulate
+from voltcam_lab.recordings import Footage
 from voltcam_simulator import Parameters
 
 WIDTH, HEIGHT, FRAMES, PERIOD_US = 144, 96, 81, 20_000
@@ -24,7 +26,7 @@ OTHER = TRUTH.changed({"contrast_response": {"k1": 9.0}, "leak_noise": {"k6": 5e
 
 
 @pytest.fixture(scope="module")
-def recording() -> Recording:
+def recording() -> Footage:
     """Waves that move on the left, while the right third is held; 50 fps, 1.6 s."""
     y, x = np.indices((HEIGHT, WIDTH), dtype=np.float64)
     times = np.arange(FRAMES) * PERIOD_US
@@ -34,17 +36,22 @@ def recording() -> Recording:
     ]).astype(np.uint8)  # fmt: skip
     t_us = times.astype(np.int64)
     events = simulate(MODELS["exact"](WIDTH, HEIGHT, TRUTH, 11), scene_of(frames, t_us, "cubic"))
-    return Recording(events, WIDTH, HEIGHT, frames, t_us)
+    return Footage(events, WIDTH, HEIGHT, frames, t_us)
 
 
 @pytest.fixture(scope="module")
-def evaluation(recording: Recording) -> Evaluation:
+def inspection(recording: Footage) -> Inspection:
+    return inspect(recording)
+
+
+@pytest.fixture(scope="module")
+def evaluation(inspection: Inspection) -> Evaluation:
     models = {
         name: partial(MODELS["exact"], WIDTH, HEIGHT, parameters, 5)
         for name, parameters in (("exact, other", OTHER), ("exact, truth", TRUTH))
     }
     steps: list[str] = []
-    done = evaluate(recording, models, name="Waves", upsampling="cubic", progress=steps.append)
+    done = evaluate(inspection, models, name="Waves", upsampling="cubic", progress=steps.append)
     assert [step for step in steps if "distances" not in step][1:] == [*models, "real against real"]
     return done
 
@@ -71,25 +78,27 @@ def test_the_table_has_every_model_and_measure(evaluation: Evaluation) -> None:
     assert len({line.count("|") for line in text.split("\n\n")[0].splitlines()}) == 1
 
 
-def test_only_what_is_held_out_is_judged(evaluation: Evaluation, recording: Recording) -> None:
-    fitting, judging = held_out(yardstick_of(recording).region)
+def test_only_what_is_held_out_is_judged(evaluation: Evaluation, inspection: Inspection) -> None:
+    fitting, judging = held_out(yardstick_of(inspection).region)
     region = evaluation.yardstick.region
     assert (region.pixels == judging.pixels).all()
     assert not (region.pixels & fitting.pixels).any()
 
 
-def test_a_recording_that_compares_nothing_is_refused(recording: Recording) -> None:
-    with pytest.raises(ValueError, match="has 0 frames"):
-        yardstick_of(replace(recording, frames=None, frame_t_us=None))
+def test_a_recording_that_compares_nothing_is_refused(recording: Footage) -> None:
+    with pytest.raises(ValueError, match="has 9 frames"):
+        yardstick_of(
+            inspect(replace(recording, frames=recording.frames[:9], frame_t_us=recording.frame_t_us[:9]))
+        )
     with pytest.raises(ValueError, match="3 events between"):
-        yardstick_of(replace(recording, events=recording.events[:3]))
+        yardstick_of(inspect(replace(recording, events=recording.events[:3])))
     late = recording.events.copy()
     late["t"] += 3_600_000_000
     with pytest.raises(ValueError, match="one clock"):
-        yardstick_of(replace(recording, events=late))
+        yardstick_of(inspect(replace(recording, events=late)))
 
 
-def test_fits_see_nothing_of_what_is_judged(recording: Recording, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_fits_see_nothing_of_what_is_judged(inspection: Inspection, monkeypatch: pytest.MonkeyPatch) -> None:
     seen: dict[str, Any] = {}
 
     def reading(*given: object) -> object:
@@ -97,9 +106,9 @@ def test_fits_see_nothing_of_what_is_judged(recording: Recording, monkeypatch: p
         raise ValueError("enough")
 
     monkeypatch.setattr(contenders, "Reading", reading)
-    fitting, judging = held_out(yardstick_of(recording).region)
+    fitting, judging = held_out(yardstick_of(inspection).region)
     with pytest.raises(ValueError, match="enough"):
-        contenders.contenders(recording, fitting)
+        contenders.contenders(inspection, fitting)
     *_, keep, masked = seen["reading"]
     assert not (keep & judging.pixels).any()
     for begin, end in judging.times.tolist():
@@ -107,16 +116,16 @@ def test_fits_see_nothing_of_what_is_judged(recording: Recording, monkeypatch: p
 
 
 def test_the_command_writes_the_page_and_its_figures(
-    recording: Recording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    recording: Footage, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with open_writer(tmp_path / "waves.npz", width=WIDTH, height=HEIGHT) as writer:
         writer.events(recording.events)
-        for frame, t_us in zip(recording.frames, recording.frame_t_us, strict=True):  # type: ignore[arg-type]
+        for frame, t_us in zip(recording.frames, recording.frame_t_us, strict=True):
             writer.frame(frame, int(t_us))
 
-    def found(recording: Recording, *_: object) -> object:
+    def found(_: Inspection, *__: object) -> object:
         models = {"exact": partial(MODELS["exact"], WIDTH, HEIGHT, TRUTH, 5)}
-        return scene_of(recording.frames, recording.frame_t_us, "cubic"), models, ["esim: no"]  # type: ignore[arg-type]
+        return scene_of(recording.frames, recording.frame_t_us, "cubic"), models, ["esim: no"]
 
     monkeypatch.setattr(cli_evaluate, "contenders", found)
     parser = ArgumentParser()

@@ -78,7 +78,7 @@ def test_real_recording() -> None:
         ("0 a.png\nb.png\n", r"line 2: not 'seconds filename'"),
         ("nan a.png\n", r"line 1: not 'seconds filename'"),
         ("0 a.png\n1 d.png\n", r"line 2: no such image"),
-        ("0 a.png\n1\n", r"line 2: no such image"),
+        ("0 a.png\n1\n", r"line 2: not 'seconds filename'"),
         ("\n# nothing\n", r"lists no image"),
     ],
 )

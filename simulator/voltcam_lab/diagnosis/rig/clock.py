@@ -2,16 +2,16 @@
 
 import math
 
-from voltcam_client.formats import Recording
 from voltcam_simulator import Parameters
+
+from ...recordings import Footage
 
 _TICKS_US = 4_032_000  # a multiple of all ticks a camera may have: stamps stay as divisible as they are
 
 
-def origin_us(recording: Recording) -> int:
+def origin_us(footage: Footage) -> int:
     """Where the diagnosis' clock begins, on the recording's."""
-    assert recording.frame_t_us is not None
-    return int(recording.frame_t_us[0]) // _TICKS_US * _TICKS_US
+    return int(footage.frame_t_us[0]) // _TICKS_US * _TICKS_US
 
 
 def counted_from(parameters: Parameters, t_us: int) -> Parameters:

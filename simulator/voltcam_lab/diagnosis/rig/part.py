@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from voltcam_client.formats import Recording
-
+from ...recordings import Footage
 from .clock import origin_us
 
 MOST_SAMPLES = 3_500_000  # pixels x frames, all of 60 x 60 pixels for 10 s at 100 frames/s
@@ -15,22 +14,20 @@ MOST_STEPS = 15_000_000  # pixels x steps that effects of the camera file ask th
 LONGEST_SILENCE_US = 100_000  # at an end of a recording: longer, it is none of the camera's
 
 
-def cut(recording: Recording, seconds: float) -> Recording:
+def cut(footage: Footage, seconds: float) -> Footage:
     """The first seconds of it that have both, events between frames and frames about events, on a clock that
     begins near its first frame: where a camera gives no events yet, it is not one that is silent."""
-    assert recording.frame_t_us is not None
-    assert recording.frames is not None
-    origin, t_us = origin_us(recording), recording.events["t"]
-    first, last = _about(recording.frame_t_us, t_us)
-    last = min(last, recording.frame_t_us[first] + seconds * 1e6)
-    kept = (recording.frame_t_us >= recording.frame_t_us[first]) & (recording.frame_t_us <= last)
-    frame_t_us = recording.frame_t_us[kept]
-    events = recording.events[(t_us >= frame_t_us[0]) & (t_us <= frame_t_us[-1])].copy()
+    origin, t_us = origin_us(footage), footage.events["t"]
+    first, last = _about(footage.frame_t_us, t_us)
+    last = min(last, footage.frame_t_us[first] + seconds * 1e6)
+    kept = (footage.frame_t_us >= footage.frame_t_us[first]) & (footage.frame_t_us <= last)
+    frame_t_us = footage.frame_t_us[kept]
+    events = footage.events[(t_us >= frame_t_us[0]) & (t_us <= frame_t_us[-1])].copy()
     events["t"] -= origin
-    exposure_us = recording.exposure_us
+    exposure_us = footage.exposure_us
     return replace(
-        recording,
-        frames=recording.frames[kept],
+        footage,
+        frames=footage.frames[kept],
         frame_t_us=frame_t_us - origin,
         exposure_us=None if exposure_us is None else exposure_us[kept] - origin,
         events=events,
@@ -49,36 +46,33 @@ def _about(frame_t_us: NDArray[np.int64], t_us: NDArray[np.int64]) -> tuple[int,
     return first, float(frame_t_us[last])
 
 
-def sample(recording: Recording, most_samples: int, step_us: float = np.inf) -> NDArray[np.int64]:
+def sample(footage: Footage, most_samples: int, step_us: float = np.inf) -> NDArray[np.int64]:
     """Columns to look at, ascending: all, or two strips, where light changes most and where it does little.
 
     As many as samples of light (pixels x frames), MOST_EVENTS, and MOST_STEPS of step_us allow. Rows are kept
     whole and complete, since readout goes by rows.
     """
-    assert recording.frames is not None
-    assert recording.frame_t_us is not None
-    steps = recording.frames[0].size * float(np.ptp(recording.frame_t_us)) / step_us
+    steps = footage.frames[0].size * float(np.ptp(footage.frame_t_us)) / step_us
     share = min(
-        most_samples / recording.frames.size,
-        MOST_EVENTS / max(len(recording.events), 1),
+        most_samples / footage.frames.size,
+        MOST_EVENTS / max(len(footage.events), 1),
         MOST_STEPS / max(steps, 1.0),
     )
-    wide = max(6, int(share * recording.width / 2))
-    if share >= 1 or 3 * wide > recording.width:  # nearly all: then all
-        return np.arange(recording.width)
-    grey = recording.frames[:: max(1, len(recording.frames) // 50)].astype(np.float32)
+    wide = max(6, int(share * footage.width / 2))
+    if share >= 1 or 3 * wide > footage.width:  # nearly all: then all
+        return np.arange(footage.width)
+    grey = footage.frames[:: max(1, len(footage.frames) // 50)].astype(np.float32)
     change = np.abs(np.diff(np.log(grey + 20), axis=0)).mean(axis=(0, 1))
-    strips = change[: recording.width // wide * wide].reshape(-1, wide).mean(axis=1)
+    strips = change[: footage.width // wide * wide].reshape(-1, wide).mean(axis=1)
     order = np.argsort(-strips, kind="stable")
     chosen = sorted({int(order[0]), int(order[max(1, len(order) * 2 // 3)])})
     return np.concatenate([np.arange(wide) + wide * strip for strip in chosen])
 
 
-def in_columns(recording: Recording, columns: NDArray[np.int64]) -> Recording:
+def in_columns(footage: Footage, columns: NDArray[np.int64]) -> Footage:
     """The recording of a sensor that has only these columns."""
-    place = np.full(recording.width, -1)
+    place = np.full(footage.width, -1)
     place[columns] = np.arange(len(columns))
-    events = recording.events[place[recording.events["x"]] >= 0].copy()
+    events = footage.events[place[footage.events["x"]] >= 0].copy()
     events["x"] = place[events["x"]]
-    assert recording.frames is not None
-    return replace(recording, events=events, frames=recording.frames[:, :, columns], width=len(columns))
+    return replace(footage, events=events, frames=footage.frames[:, :, columns], width=len(columns))

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter, minimum_filter1d
 
-DARK_DN = 20.0  # goes before a logarithm: about k2 of a DAVIS
+from ..light.grey import USUAL_DARK_DN
+
 REST_US = 500_000  # a pixel is at rest while its frames agree from so long before to so long after
 _ROWS = 16
 _STRETCH = 11
@@ -14,7 +15,7 @@ _SAMPLES = 200_000
 
 
 @dataclass(frozen=True, eq=False)
-class Light:
+class LightChange:
     """t_us: (N,) of the frames. noise_dn: standard deviation of a frame's grey level. mean_dn: (H, W).
 
     step: (N-1, H, W) float16, ln of the light of frame i+1 over frame i, 0 where it is no more than noise.
@@ -47,8 +48,8 @@ class Light:
         return self.mean_dn.ravel()[pixel], size, (size / seconds).astype(np.float32)
 
 
-def light_of(images: NDArray[np.uint8], t_us: NDArray[np.int64]) -> Light:
-    """images: (N, H, W), N >= 2."""
+def light_change_of(images: NDArray[np.uint8], t_us: NDArray[np.int64]) -> LightChange:
+    """Of frames (N, H, W) [DN] at t_us (N,); N >= 2."""
     count, height, width = images.shape
     noise_dn = _noise_dn(images)
     period_us = float(np.median(np.diff(t_us)))
@@ -58,7 +59,7 @@ def light_of(images: NDArray[np.uint8], t_us: NDArray[np.int64]) -> Light:
     for top in range(0, height, _ROWS):
         band = images[:, top : top + _ROWS]
         grey = band.astype(np.float32)
-        log_step = np.diff(np.log(grey + DARK_DN), axis=0)
+        log_step = np.diff(np.log(grey + USUAL_DARK_DN), axis=0)
         log_step[np.abs(np.diff(grey, axis=0)) <= 3 * np.sqrt(2) * noise_dn + 1] = 0
         step[:, top : top + _ROWS] = log_step
         high, low = maximum_filter1d(band, window, axis=0), minimum_filter1d(band, window, axis=0)
@@ -66,7 +67,7 @@ def light_of(images: NDArray[np.uint8], t_us: NDArray[np.int64]) -> Light:
         at_rest[:, top : top + _ROWS] = steady[1:] & steady[:-1]
     for plane in at_rest:
         minimum_filter(plane, 3, output=plane)
-    return Light(t_us, noise_dn, images.mean(0, dtype=np.float32), step, at_rest)
+    return LightChange(t_us, noise_dn, images.mean(0, dtype=np.float32), step, at_rest)
 
 
 def sum_over_time(step: NDArray[np.float16]) -> NDArray[np.float32]:

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from voltcam_lab.health.light import DARK_DN
-from voltcam_lab.health.subject import Subject
+from ..light.grey import USUAL_DARK_DN
+from .subject import Subject
 
 _BLOCKS = (8, 16, 32)  # pixels, the smallest with which there are no more than _CELLS
 _CELLS = 600_000
@@ -41,7 +41,7 @@ def find_lag(subject: Subject) -> Lag:
     """Over +-5 s, or half the recording. Uncertainties are standard deviations: over 8 groups of blocks and,
     for the lag, with a threshold that may be 10 % off."""
     threshold = threshold_of(subject)
-    search = _Search(subject, threshold)
+    search = _LagSearch(subject, threshold)
     period_us = subject.period_us
     span_us = float(subject.light.t_us[-1] - subject.light.t_us[0])
     farthest = min(_FARTHEST_US, span_us / 2)
@@ -49,7 +49,7 @@ def find_lag(subject: Subject) -> Lag:
     follows = np.array([search.correlation(lag) for lag in coarse])
     near = coarse[int(np.argmax(follows))]
     lag_us = search.best(near, period_us)
-    less, more = (_Search(subject, threshold * by).best(lag_us, period_us) for by in (0.9, 1.1))
+    less, more = (_LagSearch(subject, threshold * by).best(lag_us, period_us) for by in (0.9, 1.1))
     groups = range(_GROUPS)
     parts = np.array([search.best(lag_us, period_us, group) for group in groups])
     error_us = float(parts.std(ddof=1) / np.sqrt(_GROUPS))
@@ -70,11 +70,10 @@ def find_lag(subject: Subject) -> Lag:
 def threshold_of(subject: Subject) -> float:
     """The change of ln L for which the frames give as many events as there are where the light moves: twice
     those of the rarer polarity, since a leak makes only ON; from every fourth column."""
-    assert subject.recording.frames is not None
-    chosen = (subject.recording.events["x"] % 4 == 0) & ~subject.at_rest & (subject.interval >= 0)
+    chosen = (subject.footage.events["x"] % 4 == 0) & ~subject.at_rest & (subject.interval >= 0)
     moving, on = np.count_nonzero(chosen), np.count_nonzero(chosen & subject.on)
     count = max(1.0, 2.0 * min(on, moving - on))
-    levels = np.log(subject.recording.frames[..., ::4].astype(np.float32) + DARK_DN)
+    levels = np.log(subject.footage.frames[..., ::4].astype(np.float32) + USUAL_DARK_DN)
     low, high = 0.01, 3.0
     for _ in range(9):
         middle = float(np.sqrt(low * high))
@@ -95,16 +94,16 @@ def memorised(levels: Iterable[NDArray[np.float32]], slack: float) -> Iterator[N
         memory = moved
 
 
-class _Search:
+class _LagSearch:
     """Correlations at any lag, of some of the events, so that each takes a millisecond or few."""
 
     def __init__(self, subject: Subject, threshold: float) -> None:
-        light, events = subject.light, subject.recording.events
+        light, events = subject.light, subject.footage.events
         chosen = events[:: max(1, events.size // _EVENTS)]
         chosen = chosen[np.argsort(chosen["t"], kind="stable")]
         self._t = chosen["t"].astype(np.float64)
         self._sign = np.where(chosen["p"], 1.0, -1.0)
-        height, width = subject.recording.height, subject.recording.width
+        height, width = subject.footage.height, subject.footage.width
         pixels = len(light.step) * height * width
         side = next((side for side in _BLOCKS if pixels <= _CELLS * side**2), _BLOCKS[-1])
         rows, columns = -(-height // side), -(-width // side)
@@ -112,9 +111,8 @@ class _Search:
         self._block = (chosen["y"] // side).astype(np.int64) * columns + chosen["x"] // side
         self._frame_t = light.t_us.astype(np.float64)
         self._change = np.zeros((len(light.step), self._blocks))
-        images = subject.recording.frames
-        assert images is not None
-        levels = (np.log(image.astype(np.float32) + DARK_DN) for image in images)
+        images = subject.footage.frames
+        levels = (np.log(image.astype(np.float32) + USUAL_DARK_DN) for image in images)
         for row, step in zip(self._change, memorised(levels, threshold / 2), strict=True):
             padded = np.zeros((rows * side, columns * side), np.float32)
             padded[: step.shape[0], : step.shape[1]] = step
