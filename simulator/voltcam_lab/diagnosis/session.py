@@ -1,5 +1,6 @@
 """A recording made ready for diagnosis: what of it is looked at, and all that the search asks for."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,8 +16,10 @@ from ..light.between_frames import calm, frame_noise2
 from ..light.scene import Scene, scene_of
 from ..light.unrounded import unrounded
 from ..statistics import setting_of
-from .catalogue.catalogue import Asymmetry, Candidate, catalogue
-from .catalogue.clues import clues, in_step
+from .catalogue.candidate import Candidate
+from .catalogue.clues import Clues
+from .catalogue.entries import ENTRIES, event_delay_us
+from .catalogue.entry import Entry
 from .rig.clock import counted_from, origin_us
 from .rig.part import MOST_SAMPLES, cut, in_columns, sample
 from .rig.rig import Values
@@ -101,9 +104,10 @@ class Session:
 def session_of(
     recording: Recording, camera: Camera, folder: Path, *, name: str = "the recording", seed: int = 0,
     seconds: float = MOST_SECONDS, most_samples: int = MOST_SAMPLES, processes: int = 1,
+    entries: Sequence[Entry] = ENTRIES,
 ) -> Session:  # fmt: skip
     """Make a recording (as voltcam_lab.recordings.load gives it) ready; runs go to `folder`, made by
-    so many processes.
+    so many processes. entries: the catalogue of effects that are looked for.
 
     Raises DiagnosisError where a diagnosis makes no sense.
     """
@@ -132,14 +136,16 @@ def session_of(
             "frames more often, or move slower"
         )
     row_us = health["row readout"].numbers["us_per_row"]
+    clues = Clues(setting, part.events, row_us, event_delay_us(parameters))
     wanted: list[Candidate] = []
     left_out: list[Candidate] = []
-    for one in catalogue(clues(setting, part.events, row_us)):
-        off_axis = one.effect == "vignetting" and len(columns) < recording.width
-        off = off_axis or _is_on(one, parameters)
-        if one.effect == "flicker" and not off:
-            one = in_step(rig, parameters, one, part.events)
-        (left_out if off else wanted).append(one)
+    for entry in entries:
+        hidden = entry.needs_all_columns and len(columns) < recording.width
+        for one in entry.candidates(clues):
+            if hidden or one.is_on(parameters):
+                left_out.append(one)
+            else:
+                wanted.append(entry.tuned(rig, parameters, one, part.events))
     return Session(
         name, part, camera, health, columns, rig, rig.observe(part.events), tuple(wanted),
         tuple(dict.fromkeys(one.effect for one in left_out)), seed, origin,
@@ -167,16 +173,6 @@ def _may_wait(finding: Finding) -> bool:
     """Whether what looks like another clock may be events that queue: to tell these is for the diagnosis."""
     late_us: float = finding.numbers.get("late_us", 0.0)
     return 0 < late_us < LONGEST_WAIT_US
-
-
-def _is_on(candidate: Candidate, parameters: Parameters) -> bool:
-    """Whether the file has what the candidate would change."""
-    effect = getattr(parameters, candidate.effect)
-    if isinstance(candidate, Asymmetry) or not effect.active:
-        return False
-    off = type(effect)()
-    own = any(getattr(effect, name) != getattr(off, name) for name in candidate.names)
-    return own or bool(candidate.others)
 
 
 def _spans(columns: NDArray[np.int64]) -> str:

@@ -5,15 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from voltcam_lab.diagnosis.catalogue.catalogue import (
-    SCALED,
-    Asymmetry,
-    Candidate,
-    Clues,
-    Lamp,
-    Warming,
-    catalogue,
-)
+from voltcam_lab.diagnosis.catalogue.candidate import Candidate
+from voltcam_lab.diagnosis.catalogue.clues import Clues
+from voltcam_lab.diagnosis.catalogue.entries import ENTRIES, catalogue
+from voltcam_lab.diagnosis.catalogue.flicker import Lamp
+from voltcam_lab.diagnosis.catalogue.temperature_drift import Warming
+from voltcam_lab.diagnosis.catalogue.thresholds import ThresholdRatio
 from voltcam_lab.diagnosis.search.model import Model
 from voltcam_lab.diagnosis.search.unlisted import STEEP, forms
 from voltcam_simulator import Parameters
@@ -33,7 +30,7 @@ def test_every_effect_of_the_registry_can_be_found() -> None:
 @pytest.mark.parametrize("candidate", catalogue(CLUES), ids=lambda one: f"{one.effect}-{one.names[0]}")
 def test_each_candidate_switches_its_effect_on_and_nothing_else(candidate) -> None:  # type: ignore[no-untyped-def]
     before = Parameters.of("paper")
-    with_it = {effect for effect, _ in SCALED} if isinstance(candidate, Asymmetry) else set()
+    with_it = {effect for effect, _ in SCALED} if isinstance(candidate, ThresholdRatio) else set()
     for size in candidate.sizes:
         after = candidate.on(before, size)
         changed = {e.name for e, f in zip(before.effects(), after.effects(), strict=True) if e != f}

@@ -8,9 +8,9 @@ import numpy as np
 from voltcam_simulator import Camera
 
 from ...statistics import COUNTS, LABELS
-from ..catalogue.advice import next_recording
-from ..catalogue.catalogue import TURNS, Asymmetry, Candidate, Lamp
-from ..rig.clock import counted_from, later_turns
+from ..catalogue.candidate import Candidate
+from ..catalogue.entries import in_words, next_recording
+from ..rig.clock import counted_from
 from ..search.identify import Identifiability
 from ..search.loop import Diagnosis, Found
 from ..search.model import BASE
@@ -124,13 +124,6 @@ def _taken_out(session: Session) -> str:
     return f" Taken out of the camera file, as the recording is better explained without: {names}."
 
 
-def in_words(effect: str) -> str:
-    """An effect's registry name for a sentence."""
-    return {"comparator": "unequal thresholds", "readout": "readout saturation"}.get(
-        effect, effect.replace("_", " ")
-    )
-
-
 def intervals(diagnosis: Diagnosis, candidate: Candidate, origin_us: int = 0) -> dict[str, Estimate]:
     """Of an accepted effect's sizes, by its own parameters' names, on a clock whose zero the diagnosis has at
     -origin_us."""
@@ -142,23 +135,9 @@ def intervals(diagnosis: Diagnosis, candidate: Candidate, origin_us: int = 0) ->
     )
     assert diagnosis.covariance is not None
     sd = np.sqrt(np.diag(diagnosis.covariance)[sizes] + _SYSTEMATIC**2)
-    effect = getattr(model.parameters(), candidate.effect)
-    if isinstance(candidate, Asymmetry):  # half of the ratio's logarithm each
-        return {name: _around(getattr(effect, name), float(sd[0]) / 2) for name in ("theta_on", "theta_off")}
-    if isinstance(candidate, Lamp):
-        turns = later_turns(effect.phase_turns, effect.frequency_hz, -origin_us)
-        off = _90 * TURNS * float(sd[1])
-        phase = Estimate(value=turns, low=turns - off, high=turns + off)
-        return {"depth": _around(effect.depth, float(sd[0])), "phase_turns": phase}
-    return {
-        name: _around(getattr(effect, name), float(one))
-        for name, one in zip(candidate.names, sd, strict=True)
-    }
-
-
-def _around(value: float, sd: float) -> Estimate:
-    ends = sorted((value * float(np.exp(-_90 * sd)), value * float(np.exp(_90 * sd))))
-    return Estimate(value=value, low=ends[0], high=ends[1])
+    half_widths = tuple(_90 * float(one) for one in sd)
+    found = candidate.intervals(model.parameters(), half_widths, origin_us)
+    return {name: Estimate(value=value, low=low, high=high) for name, (value, low, high) in found.items()}
 
 
 def _effect(diagnosis: Diagnosis, found: Found, origin_us: int) -> Effect:

@@ -6,13 +6,13 @@ from markupsafe import Markup
 
 from ...pages.page import figure, render, table
 from ...statistics import COUNTS, LABELS
+from ..catalogue.entries import in_words
 from ..rig.rig import Rig, Values
 from ..search.identify import Identifiability, mixed_up, percent, short, smallest
 from ..search.loop import Diagnosis
 from ..search.step import TWINS, Step
 from ..session import Session
 from . import figures_events, figures_statistics
-from .conclude import in_words
 from .result import Effect, Estimate, Result
 from .where import Ranked, View, gap_by_group, numbers, plain, ranked, views
 

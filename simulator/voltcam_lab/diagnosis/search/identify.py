@@ -10,7 +10,7 @@ from scipy.stats import gumbel_r
 
 from voltcam_simulator import Parameters
 
-from ..catalogue.catalogue import RATIOS, WEAKER, Candidate
+from ..catalogue.candidate import Candidate
 from ..rig.rig import Rig
 from .model import BASE, Model, flat, spread_of
 from .precise import precise
@@ -48,6 +48,7 @@ class Detectable:
     name: str
     size: float | None
     unit: str
+    ratio: bool = False
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,7 @@ def smallest(one: Detectable) -> str:
     """The size with its unit."""
     if one.size is None:
         return "does not show in this recording"
-    text = short(abs(one.size), 4 if one.name in RATIOS else 2)
+    text = short(abs(one.size), 4 if one.ratio else 2)
     return text if one.unit == "1" else f"{text} {one.unit}"
 
 
@@ -133,14 +134,18 @@ def detectable(screen: Screen) -> tuple[Detectable, ...]:
     """The smallest size of each effect whose gain, base parameters projected out, is beyond chance's."""
     beyond = max(float(gumbel_r.ppf(1 - ALPHA, *gumbel_r.fit(np.maximum(screen.null, 0.0)))), LEAST_GAIN)
     best: dict[tuple[str, str], float | None] = {}
+    ratios: set[tuple[str, str]] = set()
     for one in screen.signatures:
         candidate, amount = one.candidate, _least_amount(screen, one, beyond)
         key = (candidate.effect, candidate.names[0])
         size = None if amount is None else candidate.scaled(one.size, amount)[0]
         if size is not None and abs(size) < candidate.least:
             size = candidate.least
-        best[key] = _weaker(candidate, best.get(key), size)
-    return tuple(Detectable(effect, name, size, _unit(effect, name)) for (effect, name), size in best.items())
+        known = best.get(key)
+        best[key] = size if known is None else known if size is None else candidate.weaker(known, size)
+        if candidate.growth == "ratio":
+            ratios.add(key)
+    return tuple(Detectable(*key, size, _unit(*key), key in ratios) for key, size in best.items())
 
 
 def _least_amount(screen: Screen, one: Signature, beyond: float) -> float | None:
@@ -157,15 +162,6 @@ def _least_amount(screen: Screen, one: Signature, beyond: float) -> float | None
         middle = (low + high) / 2
         low, high = (low, middle) if gain(float(np.exp(middle))) > beyond else (middle, high)
     return float(np.exp(high))
-
-
-def _weaker(candidate: Candidate, one: float | None, other: float | None) -> float | None:
-    """Of two sizes, the one at which the effect is weaker."""
-    if one is None or other is None:
-        return one if other is None else other
-    if candidate.names[0] in RATIOS:
-        return min(one, other, key=lambda ratio: abs(np.log(ratio)))
-    return max(one, other) if candidate.names[0] in WEAKER else min(one, other, key=abs)
 
 
 def _unit(effect: str, name: str) -> str:

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..catalogue.catalogue import Candidate
+from ..catalogue.candidate import Candidate
 from ..rig.rig import Rig, Values
 from .model import Model, flat
 from .precise import precise

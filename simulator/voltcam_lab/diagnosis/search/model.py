@@ -9,19 +9,13 @@ from numpy.typing import NDArray
 
 from voltcam_simulator import Parameters
 
+from ...models.exact import K1_TO_K6
 from ...statistics import FLOORS
-from ..catalogue.catalogue import Candidate, limited
+from ..catalogue.candidate import Candidate, within_limits
 from ..rig.lights import LIGHTS
 from ..rig.rig import Rig, Values
 
-BASE = (
-    ("contrast_response", "k1"),
-    ("contrast_response", "k2_dn"),
-    ("photon_noise", "k3"),
-    ("junction_leak", "k4_per_us"),
-    ("parasitic_photocurrent", "k5_per_dn_us"),
-    ("leak_noise", "k6"),
-)
+BASE = tuple(K1_TO_K6.values())
 LEAST = {"k3": 1e-6, "k4_per_us": 5e-10, "k5_per_dn_us": 1e-12, "k6": 5e-7}
 """Too little to show in a recording of seconds. A camera file may have less, or nothing: of that, no share
 more would be anything."""
@@ -79,7 +73,7 @@ class Model:
         for (effect, name), log in zip(BASE, shift, strict=False):
             value = max(getattr(getattr(self.start, effect), name), LEAST.get(name, 0.0))
             changes.setdefault(effect, {})[name] = float(value * np.exp(log))
-        parameters = limited(self.start, changes)
+        parameters = within_limits(self.start, changes)
         moved = replace(self, shift=tuple(shift))
         for (candidate, _), size in zip(self.accepted, moved.sizes(), strict=True):
             parameters = candidate.on(parameters, size)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, gumbel_r
 
-from ..catalogue.catalogue import Candidate
+from ..catalogue.candidate import Candidate
 from ..rig.rig import Rig
 from .model import Model, Spread, flat
 from .robust import Fitted, fitted

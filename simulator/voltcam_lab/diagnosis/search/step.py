@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..catalogue.catalogue import Candidate
+from ..catalogue.candidate import Candidate
 from ..rig.rig import Rig, Values
 from .model import BASE, HELD_OUT, SHARP, TRAINING, Model, flat, spread_of
 from .refit import refitted

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from voltcam_simulator import Parameters
 
-from ..catalogue.catalogue import Candidate
+from ..catalogue.candidate import Candidate
 from ..rig.rig import Rig, Values
 from .model import Model
 from .step import AS_GOOD, Step, step_of
