@@ -15,16 +15,14 @@ from ..health import Finding, Health, examine
 from ..light.between_frames import calm, frame_noise2
 from ..light.scene import Scene, scene_of
 from ..light.unrounded import unrounded
-from ..statistics import setting_of
+from ..statistics import Values, setting_of
 from .catalogue.candidate import Candidate
 from .catalogue.clues import Clues
 from .catalogue.entries import ENTRIES, event_delay_us
 from .catalogue.entry import Entry
 from .rig.clock import counted_from, origin_us
 from .rig.part import MOST_SAMPLES, cut, in_columns, sample
-from .rig.rig import Values
 from .rig.stored import StoredRig
-from .search.model import Model
 
 MOST_SECONDS = 10.0
 FEWEST_FRAMES, FEWEST_EVENTS = 10, 50
@@ -39,7 +37,7 @@ class DiagnosisError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Session:
-    """All that `loop.diagnose` asks for, and what was looked at.
+    """All that a search asks for, and what was looked at.
 
     recording: of the sample only, x counted in `columns` (those of the sensor that it has). camera: as given,
     of the recording's size. left_out: effects that are in the camera file, or cannot show in the sample.
@@ -61,13 +59,13 @@ class Session:
     taken_out: tuple[str, ...] = ()
 
     @property
-    def model(self) -> Model:
-        """Where the search starts."""
-        return self.model_of(self.camera.parameters)
+    def parameters(self) -> Parameters:
+        """The camera file's, on the clock of the diagnosis: where the search starts."""
+        return self.on_clock(self.camera.parameters)
 
-    def model_of(self, parameters: Parameters) -> Model:
-        """A camera file's parameters."""
-        return Model(counted_from(parameters, self.origin_us))
+    def on_clock(self, parameters: Parameters) -> Parameters:
+        """A camera file's parameters on the clock of the diagnosis."""
+        return counted_from(parameters, self.origin_us)
 
     @property
     def seconds(self) -> float:
@@ -125,7 +123,7 @@ def session_of(
     camera = camera.model_copy(update={"width": recording.width, "height": recording.height})
     parameters = counted_from(camera.parameters, origin)
     columns = sample(recording, most_samples, parameters.longest_step_us)
-    scene = seen(recording.frames, recording.frame_t_us, columns)
+    scene = best_scene(recording.frames, recording.frame_t_us, columns)
     part = in_columns(recording, columns)
     setting = setting_of(scene, recording.frame_t_us, None, recording.exposure_us, parameters)
     rig = StoredRig(setting, folder, seed, processes=processes)
@@ -152,8 +150,8 @@ def session_of(
     )  # fmt: skip
 
 
-def seen(frames: NDArray[Any], t_us: NDArray[np.int64], columns: NDArray[np.int64]) -> Scene:
-    """The light between frames, by whichever way of filling in tells them best; of some columns."""
+def best_scene(frames: NDArray[Any], t_us: NDArray[np.int64], columns: NDArray[np.int64]) -> Scene:
+    """The light between frames in some columns, by the way of filling in that is trusted most often."""
     noise2 = frame_noise2(frames)
     if noise2 > NOISY_DN2:
         frames = calm(frames, noise2)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from voltcam_lab.statistics.first_passage import FIRST_PASSAGE
 from voltcam_lab.statistics.frame_phase import FRAME_PHASE
-from voltcam_lab.statistics.group import Group, Label
+from voltcam_lab.statistics.group import Group, Label, Values
 from voltcam_lab.statistics.inter_event_times import INTERVALS
 from voltcam_lab.statistics.lag_response import LAG_RESPONSE
 from voltcam_lab.statistics.neighbours import NEIGHBOURS
@@ -34,6 +34,7 @@ __all__ = [
     "Label",
     "Observation",
     "Setting",
+    "Values",
     "observe",
     "setting_of",
 ]

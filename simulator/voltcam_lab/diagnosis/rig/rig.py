@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 
 from voltcam_simulator import EVENT, Parameters, Simulator
 
-from ...statistics import COUNTS, Setting, observe
+from ...statistics import COUNTS, Setting, Values, observe
 from ..catalogue.entries import acts_across_columns, lead_in_us
 from .lights import LIGHTS, light_behind
 
-Values = NDArray[np.float64]
 Events = NDArray[np.void]
 Image = tuple[NDArray[np.float32], int]
 Lights = tuple[NDArray[np.float32], list[int]]

@@ -13,8 +13,8 @@ import numpy as np
 from voltcam_simulator import Parameters
 from voltcam_simulator.kernel import CACHE_FOLDER
 
-from ...statistics import Setting
-from .rig import Events, Item, Job, Made, Rig, Values
+from ...statistics import Setting, Values
+from .rig import Events, Item, Job, Made, Rig
 from .workers import Workers
 
 _SEEDS_APART = 1 << 20  # a multiple of the versions of light, which a seed's remainder chooses
