@@ -9,7 +9,7 @@ from scipy.stats import t as student
 
 from voltcam_simulator import Parameters
 
-from .estimates import NORMAL_90, Estimate, correlations, estimates_of, noise_of, parameters_of
+from .estimates import NORMAL_90, Estimate, correlations, estimates_of, likelihood_parameters, noise_shares
 from .fit import PRIOR, Fit, fit, maximise, named
 from .reading import Reading, scene_between
 from .timing import find_times
@@ -71,10 +71,10 @@ def calibrate(reading: Reading, seed: int = 0, report: Report = lambda step: Non
     untold = 1 - float(reading.scene.trusted().mean())
     sd = _spread(log, twin_sd, found, untold)
     scale = sd / np.sqrt(np.diag(found.covariance))
-    noise = noise_of(log, found.covariance * np.outer(scale, scale))
+    noise = noise_shares(log, found.covariance * np.outer(scale, scale))
     values = named(log) | {"k3": noise.value[0], "k6": noise.value[1]}
     return Calibration(
-        parameters=parameters_of(values, dead_us, delay_us),
+        parameters=likelihood_parameters(values, dead_us, delay_us),
         estimates=estimates_of(log, sd, noise),
         correlations=correlations(found.covariance, noise),
         delay_us=delay_us,

@@ -12,7 +12,7 @@ from voltcam_simulator import Camera, Parameters
 from voltcam_simulator.effect import Events
 from voltcam_simulator.effects.junction_leak import arrhenius
 
-from ..distances import Light, Region
+from ..distances import FrameLight, Region
 from ..health import Health, examine, exposure_windows, frame_mask, hot_pixels
 from ..windows import Mask
 from .calibrate import Calibration, CalibrationError, calibrate
@@ -153,7 +153,7 @@ def _refined(
     assert t_us is not None
     whole = Region.whole(scene.width, scene.height, int(t_us[0]), int(t_us[-1]))
     region = whole.on(reading.keep).without(exposure_windows(recording))
-    light = Light(np.asarray(frames[:, *cut], np.uint8), t_us)
+    light = FrameLight(np.asarray(frames[:, *cut], np.uint8), t_us)
     return refine(
         reading.events, scene, light, region, start, seed, report, same_light=True, longest=SIMULATED
     )

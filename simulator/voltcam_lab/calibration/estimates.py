@@ -7,21 +7,12 @@ from numpy.typing import NDArray
 
 from voltcam_simulator import Parameters
 
+from ..models.exact import K1_TO_K6, SPREADS
 from .fit import NAMES, PRIOR, PRIOR_SD
 from .likelihood import START
 from .noise import USUAL_SD, Shares, shares
 
-PLACES = {
-    "k1": ("contrast_response", "k1"),
-    "k2_dn": ("contrast_response", "k2_dn"),
-    "k3": ("photon_noise", "k3"),
-    "k4_per_us": ("junction_leak", "k4_per_us"),
-    "k5_per_dn_us": ("parasitic_photocurrent", "k5_per_dn_us"),
-    "k6": ("leak_noise", "k6"),
-    "threshold_spread": ("threshold_mismatch", "sigma"),
-    "leak_spread": ("leak_mismatch", "sigma"),
-    "reset_spread": ("reset_noise", "sigma"),
-}
+PLACES = K1_TO_K6 | SPREADS
 """Where the parameters of the likelihood are in a camera file; the ratio of the thresholds aside."""
 
 NORMAL_90 = 1.645
@@ -53,7 +44,7 @@ class Estimate:
         return "data" if self.determined else "data and prior" if self.informed > 0.2 else "prior"
 
 
-def parameters_of(values: dict[str, float], dead_us: float, delay_us: float) -> Parameters:
+def likelihood_parameters(values: dict[str, float], dead_us: float, delay_us: float) -> Parameters:
     """A camera's parameters from those of the likelihood (NAMES)."""
     changes: dict[str, dict[str, float]] = {}
     for name, (effect, parameter) in PLACES.items():
@@ -65,7 +56,7 @@ def parameters_of(values: dict[str, float], dead_us: float, delay_us: float) -> 
     return Parameters().changed(changes)
 
 
-def noise_of(log: NDArray[np.float64], covariance: NDArray[np.float64]) -> Shares:
+def noise_shares(log: NDArray[np.float64], covariance: NDArray[np.float64]) -> Shares:
     """k3 and k6 of logarithms (k,) of NAMES with their covariance (k, k)."""
     two = [NAMES.index("noise"), NAMES.index("noise_ratio")]
     return shares(log[two], covariance[np.ix_(two, two)], PRIOR.centre[two], PRIOR.sd[two])

@@ -23,13 +23,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr
 
+from ..light.grey import USUAL_DARK_DN
 from .intervals import Intervals
 from .rest import NO_WAITS, Waits, log_likelihood
 
 Vector = NDArray[np.float64]
 
 START = {
-    "k1": 5.0, "k2_dn": 20.0, "k3": 1e-4, "k4_per_us": 1e-7, "k5_per_dn_us": 1e-8, "k6": 1e-5,
+    "k1": 5.0, "k2_dn": USUAL_DARK_DN, "k3": 1e-4, "k4_per_us": 1e-7, "k5_per_dn_us": 1e-8, "k6": 1e-5,
     "on_over_off": 1.0, "threshold_spread": 0.02, "leak_spread": 0.05, "reset_spread": 0.001,
     "light_error_dn": 0.3, "light_error_share": 0.002, "light_wander": 3e-5, "bend_error": 0.3,
 }  # fmt: skip

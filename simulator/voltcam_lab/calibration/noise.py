@@ -11,12 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
+from ..light.grey import USUAL_DARK_DN
+
 USUAL = (1e-4, 1e-5)  # k3, k6
 USUAL_SD = 1.0  # of their logarithms
-DIM_DN, BRIGHT_DN, DARK_DN = 20.0, 200.0, 20.0  # where noise is named, for a k2 of DARK_DN: any would do
+DIM_DN, BRIGHT_DN = 20.0, 200.0  # where noise is named, for a usual k2: any would do
 
 Vector = NDArray[np.float64]
-_DIM, _BRIGHT = (float(np.sqrt(level) / (level + DARK_DN)) for level in (DIM_DN, BRIGHT_DN))
+_DIM, _BRIGHT = (float(np.sqrt(level) / (level + USUAL_DARK_DN)) for level in (DIM_DN, BRIGHT_DN))
 LARGEST_RATIO = _DIM / _BRIGHT  # without k6; without k3 it is 1
 
 

@@ -7,9 +7,9 @@ from markupsafe import Markup
 
 from voltcam_simulator.effect import Events
 
-from ..distances import Light, Region
+from ..distances import FrameLight, Region
 from ..distances.counts import count_images, watched
-from ..distances.inter_event_intervals import Strata, same_polarity
+from ..distances.inter_event_intervals import IntervalStrata, same_polarity
 from ..health import Health
 from ..models.model import MODELS, simulate
 from ..pages.histograms import interval_histograms
@@ -92,7 +92,7 @@ def _held_against(found: Calibrated, seed: int) -> list[Markup]:
     real, simulated = (_unmasked(events, found) for events in (reading.events, made))
     intervals = {name: same_polarity(events, region) for name, events in (("real", real), ("sim", simulated))}
     frames = np.clip(np.rint(scene.taken), 0, 255).astype(np.uint8)
-    strata = Strata.of(intervals["real"], Light(frames, scene.taken_us))
+    strata = IntervalStrata.of(intervals["real"], FrameLight(frames, scene.taken_us))
     name = f"{found.method}, calibrated"
     counts = [[int(np.count_nonzero(e["p"] == on)) for on in (True, False)] for e in (real, simulated)]
     return [

@@ -28,6 +28,7 @@ from scipy.optimize import least_squares, nnls
 from voltcam_simulator import Parameters
 
 from ..light.scene import Scene
+from ..light.still import still_intervals
 from ..windows import Mask, Windows
 from .intervals import intervals
 
@@ -45,7 +46,6 @@ Table = NDArray[np.void]
 Vector = NDArray[np.float64]
 
 SHORTEST_US = 100.0  # shorter ones are bursts of the readout, which 1/T would give all the weight
-QUIET_CHANGE, QUIET_AROUND_US = 0.03, 50_000.0  # of ln(L + 20), from this long before to this long after
 BRIGHTNESS_BINS, PER_BIN, PER_QUIET_BIN, FEWEST = 8, 200, 50, 30
 MISFIT = 0.03  # of mu and sigma, relative: what the model leaves over even in a bin without noise
 
@@ -79,11 +79,11 @@ def calibrate_as_paper(
         keep=np.ones((scene.height, scene.width), np.bool_) if keep is None else keep,
         masked=np.zeros((0, 2), np.int64) if masked is None else masked,
     )
-    quiet = _quiet(found, scene)
+    quiet = still_intervals(scene, found)
     length_us = found["end_us"] - found["start_us"]
     ended = found["end"] != 0
     quiet_rate = np.count_nonzero(quiet & ended) / max(float(length_us[quiet].sum()), 1.0)
-    bins, interval_us, bin_of = binned(
+    bins, interval_us, bin_of = interval_bins(
         length_us[ended],
         found["before"][ended].astype(np.float64),
         found["after"][ended].astype(np.float64),
@@ -117,7 +117,7 @@ def _believable_noise(
         return {}, (
             f"too few events under light that stands still: {remain}, k4 and k5 are from moving light",
         )
-    k3, k6, noise_rate = noise_of(quiet, k2, theta_on)
+    k3, k6, noise_rate = noise_of_bins(quiet, k2, theta_on)
     if noise_rate > rate:
         seen = f"{noise_rate * 1e6:.2g} events/s where {rate * 1e6:.2g} are seen"
         return {}, (f"noise as the spread of quiet intervals has it would give {seen}: {remain}",)
@@ -139,20 +139,7 @@ def fit_interval_law(interval_us: Vector) -> tuple[float, float]:
     return rate, float(np.sqrt(excess))
 
 
-def _quiet(found: Table, scene: Scene) -> NDArray[np.bool_]:
-    """Whether light stood still, also around the interval: within a short one it always seems to."""
-    planes = scene.images.reshape(len(scene.images), -1)
-    levels = [found["before"], found["after"]]
-    for t_us in (found["start_us"] - QUIET_AROUND_US, found["end_us"] + QUIET_AROUND_US):
-        nearest = np.clip(np.searchsorted(scene.t_us, t_us), 0, len(planes) - 1)
-        levels.append(planes[nearest, found["pixel"]])
-    seen = np.array(levels)
-    still = np.ptp(np.log(seen + 20.0), axis=0) < QUIET_CHANGE
-    clipped = (seen.min(axis=0) < 2.0) | (seen.max(axis=0) > 0.97 * planes.max())  # where it may move unseen
-    return np.asarray(still & ~clipped)
-
-
-def binned(
+def interval_bins(
     interval_us: Vector, before: Vector, after: Vector, on: NDArray[np.bool_], quiet: NDArray[np.bool_]
 ) -> tuple[Table, Vector, NDArray[np.int64]]:
     """(bins, intervals used, the bin of each): as many intervals in each bin, so that slopes are close where
@@ -212,7 +199,7 @@ def drift_of(bins: Table) -> tuple[float, float, float, float, float]:
     return k1, k2, k4, k5, theta_on
 
 
-def noise_of(quiet: Table, k2: float, theta_on: float) -> tuple[float, float, float]:
+def noise_of_bins(quiet: Table, k2: float, theta_on: float) -> tuple[float, float, float]:
     """(k3, k6, sigma^2) from quiet bins of dtype BIN: sigma = k3 sqrt(L)/(L+k2) + k6, none negative.
 
     sigma^2 [1/us], the mean over the bins, is the rate at which such noise alone makes events, the product of

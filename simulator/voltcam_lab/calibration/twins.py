@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from voltcam_simulator import EVENT, Parameters, Simulator
 
 from ..light.scene import Scene, scene_of
-from .estimates import parameters_of
+from .estimates import likelihood_parameters
 from .fit import NAMES, Fit, maximise, named, possible
 from .reading import Reading
 
@@ -39,7 +39,7 @@ def unbiased(
     for twins in TWINS:
         truth = possible(truth)
         values, parts = named(truth), []
-        parameters = parameters_of(values, dead_us, delay_us)
+        parameters = likelihood_parameters(values, dead_us, delay_us)
         for _ in range(twins // PER_LIGHT):
             retaken = retake(reading.scene, np.random.default_rng(seed + made + 1), values["bend_error"])
             for _ in range(PER_LIGHT):
@@ -88,7 +88,10 @@ def retake(scene: Scene, rng: np.random.Generator, bend_error: float) -> Retaken
     levels, alike = np.unique(scene.taken[0], return_inverse=True)  # light that is alike is rounded alike
     shift = (rng.random(levels.size, np.float32) - np.float32(0.5))[alike].reshape(shape) * np.float32(whole)
     later_us = round(rng.uniform(0.25, 0.75) * float(np.median(np.diff(scene.taken_us))))
-    light = [(np.maximum(image + shift, 0), t_us - later_us) for image, t_us in bent(scene, rng, bend_error)]
+    light = [
+        (np.maximum(image + shift, 0), t_us - later_us)
+        for image, t_us in with_wandering_light(scene, rng, bend_error)
+    ]
     t_us = np.array([t for _, t in light])
     taken_us = scene.taken_us[scene.taken_us <= t_us[-1]]
     frames = np.empty((len(taken_us), *shape), np.float32)
@@ -99,7 +102,7 @@ def retake(scene: Scene, rng: np.random.Generator, bend_error: float) -> Retaken
     return Retaken(light, scene_of(rounded, taken_us, scene.how))
 
 
-def bent(
+def with_wandering_light(
     scene: Scene, rng: np.random.Generator, bend_error: float
 ) -> Iterator[tuple[NDArray[np.float32], int]]:
     """The images and times of a scene, off between frames as its `doubt` has it."""

@@ -7,7 +7,7 @@ Each measure is also a function of its own, in `intervals`, `counts` and `patche
 """
 
 from .counts import NoiseRates, noise_rates
-from .light import Light
+from .light import FrameLight
 from .measures import DISTANCES, HEADLINES, MEASURES, Measure, Yardstick, closest, gap
 from .region import Region, by_pixels, by_time, held_out
 
@@ -15,7 +15,7 @@ __all__ = [
     "DISTANCES",
     "HEADLINES",
     "MEASURES",
-    "Light",
+    "FrameLight",
     "Measure",
     "NoiseRates",
     "Region",

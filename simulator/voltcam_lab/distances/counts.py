@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from voltcam_simulator.effect import Events
 
-from .light import Light
+from .light import FrameLight
 from .region import Region
 
 BIN_US = 50_000
@@ -108,10 +108,10 @@ class NoiseRates:
 
 
 def noise_rates(
-    events: Events, region: Region, light: Light, edges_dn: NDArray[np.int64] = BRIGHTNESS_EDGES_DN
+    events: Events, region: Region, light: FrameLight, edges_dn: NDArray[np.int64] = BRIGHTNESS_EDGES_DN
 ) -> NoiseRates:
     """Rates in still light by brightness."""
-    events = at_rest(events, region, light)
+    events = in_still_light(events, region, light)
     bins = len(edges_dn) - 1
     brightness = light.brightness(events["t"], events["x"], events["y"])
     number = np.clip(np.searchsorted(edges_dn, brightness, side="right") - 1, 0, bins - 1)
@@ -129,7 +129,7 @@ def noise_rates(
     )
 
 
-def at_rest(events: Events, region: Region, light: Light) -> Events:
+def in_still_light(events: Events, region: Region, light: FrameLight) -> Events:
     """The events at pixels whose light stands still."""
     events = region.of(events)
     events = events[(events["t"] >= light.t_us[0]) & (events["t"] < light.t_us[-1])]
@@ -137,10 +137,10 @@ def at_rest(events: Events, region: Region, light: Light) -> Events:
     return still
 
 
-def quiet_on_rate(events: Events, region: Region, light: Light) -> float:
+def quiet_on_rate(events: Events, region: Region, light: FrameLight) -> float:
     """ON events a second and pixel where light stands still; NaN where it never does."""
     seconds = float(light.still_seconds(region).sum())
-    return np.count_nonzero(at_rest(events, region, light)["p"]) / seconds if seconds else float("nan")
+    return np.count_nonzero(in_still_light(events, region, light)["p"]) / seconds if seconds else float("nan")
 
 
 def noise_difference(a: NoiseRates, b: NoiseRates) -> float:

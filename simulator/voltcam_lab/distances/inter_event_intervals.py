@@ -10,7 +10,7 @@ from scipy.stats import wasserstein_distance
 
 from voltcam_simulator.effect import Events
 
-from .light import Light
+from .light import FrameLight
 from .region import Region
 
 BINS_PER_DECADE = 10
@@ -102,15 +102,15 @@ def _over_groups(a: Intervals, b: Intervals, distance: Callable[[Array, Array], 
 
 
 @dataclass(frozen=True, eq=False)
-class Strata:
+class IntervalStrata:
     """Terciles of brightness [DN] and of |d ln L / dt| [1/s] over the intervals of real events."""
 
-    light: Light
+    light: FrameLight
     brightness_dn: Array
     speed_per_s: Array
 
     @classmethod
-    def of(cls, real: Intervals, light: Light) -> Self:
+    def of(cls, real: Intervals, light: FrameLight) -> Self:
         """The terciles of these intervals."""
         thirds = (1 / 3, 2 / 3)
         where = (real.t_us, real.x, real.y)
@@ -126,7 +126,7 @@ class Strata:
         return brightness, np.searchsorted(self.speed_per_s, self.light.speed(*where))
 
 
-def stratified_variation(a: Intervals, b: Intervals, strata: Strata) -> float:
+def stratified_variation(a: Intervals, b: Intervals, strata: IntervalStrata) -> float:
     """Mean of `total_variation` over three terciles of brightness and three of change; NaN where none has
     intervals enough."""
     each = [

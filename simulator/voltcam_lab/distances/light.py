@@ -5,22 +5,16 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
+from ..light.grey import USUAL_DARK_DN
+from ..light.still import still_pairs
 from .region import Region
 
 Array = NDArray[np.float64]
 
-DARK_DN = 20.0
-"""Added to the grey level before the logarithm, as k2 in the paper: grey levels near 0 are mostly noise."""
-STILL_LOG = 0.12
-"""Light that varies by less than this (in ln) over STILL_US stands still; frame noise alone reaches .1."""
-STILL_US = 200_000
-NEIGHBOURS = 5
-
 
 @dataclass(frozen=True, eq=False)
-class Light:
+class FrameLight:
     """images: (N, H, W) grey levels [DN] as recorded; t_us: (N,) int64, ascending. N is at least 2."""
 
     images: NDArray[np.uint8]
@@ -40,7 +34,7 @@ class Light:
         """|d ln L / dt| [1/s] between the frames before and after."""
         before, after = self._around(t_us, x, y)
         span_s = np.diff(self.t_us)[self.interval_of(t_us)] / 1e6
-        change: Array = np.abs(np.log((after + DARK_DN) / (before + DARK_DN))) / span_s
+        change: Array = np.abs(np.log((after + USUAL_DARK_DN) / (before + USUAL_DARK_DN))) / span_s
         return change
 
     def _around(
@@ -52,18 +46,8 @@ class Light:
 
     @cached_property
     def still(self) -> NDArray[np.bool_]:
-        """(N - 1, H, W): between these two frames, and STILL_US around, light changed neither here nor next
-        to here."""
-        log = np.stack(
-            [np.log(ndimage.gaussian_filter(i.astype(np.float32), 1) + DARK_DN) for i in self.images]
-        )
-        first = np.searchsorted(self.t_us, self.t_us[:-1] - STILL_US // 2)
-        last = np.searchsorted(self.t_us, self.t_us[1:] + STILL_US // 2, side="right")
-        planes = []
-        for begin, end in zip(first, last, strict=True):
-            span = np.ptp(log[begin:end], axis=0)
-            planes.append(ndimage.maximum_filter(span, NEIGHBOURS) < STILL_LOG)
-        return np.stack(planes)
+        """(N - 1, H, W): as `light.still.still_pairs`."""
+        return still_pairs(self.images, self.t_us)
 
     def still_seconds(self, region: Region) -> Array:
         """(N - 1,): between each two frames, pixels of the region in still light times live seconds."""

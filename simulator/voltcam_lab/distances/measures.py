@@ -8,7 +8,7 @@ from voltcam_simulator.effect import Events
 
 from . import counts, patches
 from . import inter_event_intervals as intervals
-from .light import Light
+from .light import FrameLight
 from .region import BLOCK_US, Region, by_pixels, by_time
 
 
@@ -49,7 +49,7 @@ class Yardstick:
 
     real: Events
     region: Region
-    light: Light
+    light: FrameLight
 
     def distances(self, simulated: Events) -> dict[str, float]:
         """All of MEASURES for events of the same sensor and scene."""
@@ -127,15 +127,15 @@ class Yardstick:
         return intervals.any_polarity(self.real, self.region)
 
     @cached_property
-    def _strata(self) -> intervals.Strata:
-        return intervals.Strata.of(self._same, self.light)
+    def _strata(self) -> intervals.IntervalStrata:
+        return intervals.IntervalStrata.of(self._same, self.light)
 
     @cached_property
     def _images(self) -> counts.Counts:
         return counts.count_images(self.real, self.region)
 
 
-def _figures(events: Events, region: Region, light: Light) -> dict[str, float]:
+def _figures(events: Events, region: Region, light: FrameLight) -> dict[str, float]:
     on, off = counts.rates(events, region)
     return {
         "on": on,

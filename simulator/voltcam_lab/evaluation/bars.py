@@ -10,7 +10,7 @@ B4 = 0.93
 
 
 @dataclass(frozen=True)
-class Known:
+class PublishedBars:
     """published: the best of DVS-Voltmeter, ESIM and v2e in each distance, their thresholds fitted to the
     recording's own totals and judged on all of it; floor: real against real, the same way."""
 
@@ -23,11 +23,11 @@ class Known:
 
 
 KNOWN = {
-    "slider_depth": Known(
+    "slider_depth": PublishedBars(
         {"W1": 0.058, "TVs": 0.122, "pair": 0.071, "b4": 0.893, "AUC": 0.887},
         {"W1": 0.002, "TVs": 0.010, "pair": 0.002, "b4": 0.977, "AUC": 0.51},
     ),
-    "davis346": Known(
+    "davis346": PublishedBars(
         {"W1": 0.18, "TVs": 0.216, "pair": 0.17, "b4": 0.901, "AUC": 0.845},
         {"W1": 0.005, "TVs": 0.035, "pair": 0.005, "b4": 0.988, "AUC": 0.52},
     ),

@@ -12,10 +12,10 @@ from voltcam_simulator import Parameters
 from ..calibration.calibrate import CalibrationError, Reading, calibrate, scene_between
 from ..calibration.paper_method import calibrate_as_paper
 from ..calibration.refine.refine import Refined, refine
-from ..distances import Light, Region
+from ..distances import FrameLight, Region
 from ..health import frame_mask
 from ..light.scene import Scene
-from ..models.model import MODELS, AnyParameters, Model, fitted
+from ..models.model import MODELS, AnyParameters, Model, with_fitted_thresholds
 from ..windows import Mask
 
 SEED = 1
@@ -43,7 +43,7 @@ def contenders(
     notes: list[str] = []
 
     def thresholds(model: str, parameters: AnyParameters | None = None) -> AnyParameters:
-        return fitted(model, scene, on, seen.size - on, parameters, SEED, fitting.of)
+        return with_fitted_thresholds(model, scene, on, seen.size - on, parameters, SEED, fitting.of)
 
     published, ideal = Parameters.of("paper"), Parameters.of("ideal")
     start: AnyParameters
@@ -54,7 +54,7 @@ def contenders(
         notes.append(f"exact, calibrated: refined from fitted thresholds, since {_line(error)}")
         start = thresholds("exact", ideal)
     assert isinstance(start, Parameters)  # models that are not ours have others
-    light = Light(recording.frames, recording.frame_t_us)
+    light = FrameLight(recording.frames, recording.frame_t_us)
     refined = refine(recording.events, scene, light, fitting, start, SEED, progress)
     scene = refined.scene
     notes.append(_told(refined))

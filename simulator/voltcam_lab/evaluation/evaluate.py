@@ -11,7 +11,7 @@ from ..distances import (
     DISTANCES,
     HEADLINES,
     MEASURES,
-    Light,
+    FrameLight,
     Region,
     Yardstick,
     closest,
@@ -95,7 +95,7 @@ def yardstick_of(recording: Recording, name: str = "the recording") -> Yardstick
             f"{name} has {0 if frames is None else len(frames)} frames: give a recording with frames "
             f"({FEWEST_FRAMES} at least), since they are what models are shown"
         )
-    light = Light(frames, t_us)
+    light = FrameLight(frames, t_us)
     region = Region.whole(recording.width, recording.height, int(t_us[0]), int(t_us[-1]))
     seen = region.of(events)
     if seen.size < FEWEST_EVENTS:

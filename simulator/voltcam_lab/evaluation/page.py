@@ -8,7 +8,7 @@ from voltcam_simulator import Parameters
 
 from ..distances import HEADLINES, MEASURES, noise_rates
 from ..distances.counts import count_images, watched
-from ..distances.inter_event_intervals import Strata, same_polarity
+from ..distances.inter_event_intervals import IntervalStrata, same_polarity
 from ..models.model import MODELS
 from ..pages.clouds import busiest, clouds
 from ..pages.histograms import interval_histograms
@@ -85,7 +85,7 @@ def _of_recording(evaluation: Evaluation, folder: Path) -> str:
     intervals = {name: same_polarity(events, region) for name, events in {"real": real, **shown}.items()}
     models = {name: intervals[name] for name in shown}
     window = busiest(real, width, height)
-    strata = Strata.of(intervals["real"], yardstick.light)
+    strata = IntervalStrata.of(intervals["real"], yardstick.light)
     figures = {
         "distances": (
             dots(evaluation.rows, evaluation.floors),

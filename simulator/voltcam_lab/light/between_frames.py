@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, gaussian_filter1d, laplace, uniform_filter1d
 
-from .scene import USUAL_DARK_DN, Scene, scene_of
+from .grey import USUAL_DARK_DN, WHITE_DN
+from .scene import Scene, scene_of
 
 NOISIEST_DN = 3.0  # of a difference between frames: more is motion
 STILL_FRAMES = 5
@@ -22,7 +23,6 @@ NEAR_PIXELS = 1.5  # noise is a pixel's own, motion is its neighbours', too
 WIDEST = 0.8  # pixels: the blur of linear interpolation half-way between four pixels is 0.7
 HALVINGS = 5
 ALIKE = 1.02  # ratio of powers that needs no blur
-WHITE_DN = 255.0
 
 Image = NDArray[np.float32]
 Images = NDArray[np.float32]

@@ -11,8 +11,9 @@ from scipy.ndimage import maximum_filter
 
 from voltcam_video import Frame, Upsampling, between
 
+from .grey import USUAL_DARK_DN
+
 TRUSTED = 0.05  # of the brightness: a quarter of the contrast of a usual threshold
-USUAL_DARK_DN = 20.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -62,7 +62,7 @@ def with_thresholds(parameters: AnyParameters, theta_on: float, theta_off: float
     return parameters.changed({"comparator": {"theta_on": theta_on, "theta_off": theta_off}})
 
 
-def fitted(
+def with_fitted_thresholds(
     name: str,
     scene: Scene,
     wanted_on: int,

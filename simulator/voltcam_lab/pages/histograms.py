@@ -5,14 +5,16 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..distances.inter_event_intervals import Intervals, Strata
+from ..distances.inter_event_intervals import Intervals, IntervalStrata
 from .style import REAL, colours, styled
 
 EDGES = np.arange(2, 6.51, 0.1)
 
 
 @styled
-def interval_histograms(real: Intervals, simulated: Mapping[str, Intervals], strata: Strata) -> Figure:
+def interval_histograms(
+    real: Intervals, simulated: Mapping[str, Intervals], strata: IntervalStrata
+) -> Figure:
     """Rows: terciles of brightness; columns: of |d ln L / dt|. Real in grey, models as lines."""
     figure = Figure((8.8, 5.6), layout="constrained")
     axes = figure.subplots(3, 3, sharex=True, sharey="row")

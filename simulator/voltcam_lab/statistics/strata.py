@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 
 from voltcam_simulator.kernel import kernel
 
+from ..light.still import still_steps
+
 INTENSITY_NAMES = ("darkest", "dark", "middle", "bright", "brightest")
 SLOPE_NAMES = ("falling fast", "falling", "lull", "rising", "rising fast", "rest")
 INTENSITIES, SLOPES = len(INTENSITY_NAMES), len(SLOPE_NAMES)
@@ -20,8 +22,6 @@ _SHARES = (
     0.55,
     0.8,
 )  # of pixels and time below each edge: the dark, where noise is, in finer steps
-_BUCKET_US, _BEFORE, _AFTER = 20_000, 3, 1  # at rest: constant over three buckets back and one ahead
-_REST_CHANGE = 0.06  # of ln(L + k2): a third of a threshold, and what one grey level is in the dark
 _LULL_SHARE = 0.1  # of the speed that divides slow from fast
 
 
@@ -40,7 +40,7 @@ def strata_of(light: NDArray[np.float32], log_light: NDArray[np.float32], t_us: 
     some = slice(None, None, max(1, light.size // 2_000_000))
     edges_dn = np.quantile(light[some], _SHARES).astype(np.float64)
     edges = np.interp(edges_dn, np.sort(light[some], axis=None), np.sort(log_light[some], axis=None))
-    resting = at_rest(log_light, t_us, _BUCKET_US, _BEFORE, _AFTER, _REST_CHANGE)
+    resting = still_steps(log_light, t_us)
     change = np.abs(np.diff(log_light[some], axis=1))[~resting[some]]
     span_s = np.broadcast_to(np.diff(t_us) * 1e-6, resting[some].shape)[~resting[some]]
     fast_per_s = weighted_median(change / span_s, change) if change.sum() > 0 else 1.0
@@ -54,29 +54,6 @@ def weighted_median(values: NDArray[Any], weights: NDArray[Any]) -> float:
     order = np.argsort(values)
     weight = np.cumsum(weights[order], dtype=np.float64)
     return float(values[order][np.searchsorted(weight, weight[-1] / 2)])
-
-
-@kernel
-def at_rest(log_light: Any, t_us: Any, bucket_us: Any, before: Any, after: Any, limit: Any) -> Any:
-    """(K, N - 1): ln(L + k2) stays within `limit` from `before` buckets of time back to `after` ahead."""
-    pixels, steps = log_light.shape[0], log_light.shape[1] - 1
-    buckets = (t_us[steps] - t_us[0]) // bucket_us + 1
-    low, high = np.empty(buckets, np.float32), np.empty(buckets, np.float32)
-    resting = np.empty((pixels, steps), np.bool_)
-    for k in range(pixels):
-        low[:], high[:] = np.inf, -np.inf
-        for s in range(steps):
-            u, v = log_light[k, s], log_light[k, s + 1]
-            for b in range((t_us[s] - t_us[0]) // bucket_us, (t_us[s + 1] - t_us[0]) // bucket_us + 1):
-                low[b], high[b] = min(low[b], u, v), max(high[b], u, v)
-        for s in range(steps):
-            first = max((t_us[s] - t_us[0]) // bucket_us - before, 0)
-            last = min((t_us[s + 1] - t_us[0]) // bucket_us + after, buckets - 1)
-            bottom, top = np.float32(np.inf), np.float32(-np.inf)
-            for b in range(first, last + 1):
-                bottom, top = min(bottom, low[b]), max(top, high[b])
-            resting[k, s] = top - bottom < limit
-    return resting
 
 
 @kernel

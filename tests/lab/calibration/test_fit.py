@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from voltcam_lab.calibration.ascent import Prior, ascend
-from voltcam_lab.calibration.estimates import noise_of
+from voltcam_lab.calibration.estimates import noise_shares
 from voltcam_lab.calibration.fit import NAMES, fit
 from voltcam_lab.calibration.intervals import INTERVAL
 from voltcam_lab.calibration.rest import NO_WAITS, WAIT
@@ -42,7 +42,7 @@ def test_noise_is_found_as_far_as_it_shows() -> None:
     found = fit(drawn(600, 4, seed=2), 0.0, width=40)
     sigma = found.values["k3"] * 10 / (100 + found.values["k2_dn"]) + found.values["k6"]
     assert sigma == pytest.approx(TRUTH["k3"] * 10 / 120 + TRUTH["k6"], rel=0.2)
-    noise = noise_of(found.log, found.covariance)
+    noise = noise_shares(found.log, found.covariance)
     assert noise.correlation < -0.5
     assert noise.interval[0][0] < TRUTH["k3"] < noise.interval[0][1]
 

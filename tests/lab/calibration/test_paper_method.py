@@ -8,11 +8,11 @@ from scipy.stats import invgauss, levy
 
 from voltcam_lab.calibration.paper_method import (
     BIN,
-    binned,
     calibrate_as_paper,
     drift_of,
     fit_interval_law,
-    noise_of,
+    interval_bins,
+    noise_of_bins,
 )
 from voltcam_lab.light.scene import Scene
 from voltcam_lab.models.model import MODELS, simulate
@@ -73,7 +73,7 @@ def bins_of(theta_on: float, seed: int | None = None) -> NDArray[np.void]:
 def test_the_regression_inverts_equations_10_and_11(theta_on: float) -> None:
     bins = bins_of(theta_on)
     assert drift_of(bins) == pytest.approx((5.265, 20, 1e-7, 5e-9, theta_on), rel=1e-3)
-    k3, k6, rate = noise_of(bins[bins["quiet"]], 20, theta_on)
+    k3, k6, rate = noise_of_bins(bins[bins["quiet"]], 20, theta_on)
     assert (k3, k6) == pytest.approx((1e-4, 1e-5), rel=1e-6)
     sigma = bins["sigma"][bins["quiet"]] * theta_on
     assert rate == pytest.approx(np.mean(sigma**2))
@@ -85,7 +85,7 @@ def test_the_regression_with_the_errors_of_bins() -> None:
     assert (k1, theta_on) == pytest.approx((5.265, 1.2), rel=0.02)
     assert k2 == pytest.approx(20, rel=0.1)
     assert k4 + k5 * 120 == pytest.approx(7e-7, rel=0.05)
-    k3, _, _ = noise_of(bins[bins["quiet"]], k2, theta_on)
+    k3, _, _ = noise_of_bins(bins[bins["quiet"]], k2, theta_on)
     assert k3 == pytest.approx(1e-4, rel=0.4)
 
 
@@ -95,7 +95,7 @@ def test_bins_are_narrow_and_leave_out_what_goes_against_the_light() -> None:
     before, times = generator.uniform(20, 200, n), generator.uniform(1e3, 1e5, n)
     after, on = before + generator.normal(0, 20, n), generator.random(n) < 0.5
     times[:10] = 50.0  # bursts
-    bins, used, bin_of = binned(times, before, after, on, np.zeros(n, bool))
+    bins, used, bin_of = interval_bins(times, before, after, on, np.zeros(n, bool))
     assert used.min() >= 100
     assert np.count_nonzero((on == (after > before)) & (times >= 100)) == bins["n"].sum() == len(used)
     assert (np.sign(bins["slope"]) == np.where(bins["on"], 1, -1)).all()

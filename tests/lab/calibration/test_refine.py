@@ -8,11 +8,11 @@ import pytest
 from tests.generator import Effect, draw_scene, record
 from tests.generator.base import Base
 
-from voltcam_lab.calibration.refine.coordinates import parameters_of, point_of, response
+from voltcam_lab.calibration.refine.coordinates import parameters_at, point_of, response
 from voltcam_lab.calibration.refine.goal import Goal
 from voltcam_lab.calibration.refine.refine import Refined, refine
 from voltcam_lab.calibration.refine.replay import Replay
-from voltcam_lab.distances import Light, Region, Yardstick, held_out
+from voltcam_lab.distances import FrameLight, Region, Yardstick, held_out
 from voltcam_lab.light.between_frames import calmed, evened, sharpened
 from voltcam_lab.light.scene import Scene, scene_of
 from voltcam_lab.models.model import MODELS, simulate
@@ -50,7 +50,7 @@ class Recording:
         self.events = made.events.copy()
         self.events["t"] += LATE_US
         self.scene = scene_of(made.frames, made.frame_t_us, "cubic")
-        self.light = Light(made.frames, made.frame_t_us)
+        self.light = FrameLight(made.frames, made.frame_t_us)
         whole = Region.whole(WIDTH, HEIGHT, 0, int(made.frame_t_us[-1]))
         self.fitting, self.judging = held_out(whole)
 
@@ -110,7 +110,7 @@ def test_coordinates_are_the_camera() -> None:
         "input_response": {"gamma_exponent": 0.7},
         "reset_noise": {"sigma": 0.15},
     })  # fmt: skip
-    found = parameters_of(point_of(camera), camera)
+    found = parameters_at(point_of(camera), camera)
     assert found.comparator.theta_on == pytest.approx(2.0)
     assert found.comparator.theta_off == pytest.approx(0.5)
     assert found.contrast_response.k1 == pytest.approx(9.0 / 1.5)

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from voltcam_lab.distances import (
     MEASURES,
-    Light,
+    FrameLight,
     Region,
     Yardstick,
     by_pixels,
@@ -57,11 +57,11 @@ def renewal(rng: np.random.Generator, mean_us: float, per_pixel: int = 100) -> E
     return stream(t.ravel(), x.ravel(), y.ravel(), np.ones(t.size, bool))
 
 
-def still_light(frames: int = 51, width: int = WIDTH) -> Light:
+def still_light(frames: int = 51, width: int = WIDTH) -> FrameLight:
     """Left half 50 DN, right half 150 DN, for END_US."""
     image = np.full((HEIGHT, width), 50, np.uint8)
     image[:, width // 2 :] = 150
-    return Light(np.repeat(image[None], frames, axis=0), np.linspace(0, END_US, frames).astype(np.int64))
+    return FrameLight(np.repeat(image[None], frames, axis=0), np.linspace(0, END_US, frames).astype(np.int64))
 
 
 def test_a_stream_is_at_no_distance_from_itself() -> None:
@@ -76,7 +76,7 @@ def test_a_stream_is_at_no_distance_from_itself() -> None:
 def test_distances_are_symmetric() -> None:
     a, b = poisson(1), poisson(2, rate_hz=25)
     same = [interval_measures.same_polarity(events, WHOLE) for events in (a, b)]
-    strata = interval_measures.Strata.of(same[0], still_light())
+    strata = interval_measures.IntervalStrata.of(same[0], still_light())
     cells, light = count_measures.watched(WHOLE), still_light()
     images = [count_measures.count_images(events, WHOLE) for events in (a, b)]
     noise = [noise_rates(events, WHOLE, light) for events in (a, b)]
@@ -117,7 +117,7 @@ def test_strata_tell_what_the_overall_law_hides() -> None:
     a, b = (
         interval_measures.same_polarity(events, forever) for events in (halves(1e3, 1e5), halves(1e5, 1e3))
     )
-    strata = interval_measures.Strata.of(a, still_light())
+    strata = interval_measures.IntervalStrata.of(a, still_light())
     assert interval_measures.total_variation(a, b) < 0.05
     # By brightness nearly all differs; by change, which there is none of, nothing does. Half of six.
     assert interval_measures.stratified_variation(a, b, strata) > 0.4
@@ -241,7 +241,7 @@ def test_noise_is_counted_where_light_stands_still() -> None:
     light = still_light()
     moving = light.images.copy()
     moving[::2, :, 54:] = 250  # flickers from column 54 on
-    light = Light(moving, light.t_us)
+    light = FrameLight(moving, light.t_us)
     rng = np.random.default_rng(11)
     rate = np.where(np.arange(WIDTH) < WIDTH // 2, 3.0, 6.0)
     counts = rng.poisson(rate * END_US / 1e6, (HEIGHT, WIDTH))
@@ -288,7 +288,7 @@ def test_the_floors_of_a_real_recording() -> None:
     t_us = recording.frame_t_us
     windows = np.concatenate([t_us[:, None] + window for window in ([-400, -50], [550, 1500])])
     region = Region.whole(240, 180, int(t_us[0]), int(t_us[-1])).without(windows)
-    floor = Yardstick(recording.events, region, Light(recording.frames, t_us)).floor_by_pixels()
+    floor = Yardstick(recording.events, region, FrameLight(recording.frames, t_us)).floor_by_pixels()
     assert floor["W1"] == pytest.approx(0.002, abs=0.001)
     assert floor["TVs"] == pytest.approx(0.010, abs=0.003)
     assert floor["pair"] == pytest.approx(0.002, abs=0.001)

@@ -6,7 +6,14 @@ from numpy.typing import NDArray
 
 from voltcam_lab.light.scene import Scene
 from voltcam_lab.models.esim import EsimParameters
-from voltcam_lab.models.model import MODELS, PUBLISHED, fit_thresholds, fitted, simulate, with_thresholds
+from voltcam_lab.models.model import (
+    MODELS,
+    PUBLISHED,
+    fit_thresholds,
+    simulate,
+    with_fitted_thresholds,
+    with_thresholds,
+)
 from voltcam_lab.models.v2e import V2eParameters
 from voltcam_simulator import EVENT, Parameters
 
@@ -74,7 +81,7 @@ def test_thresholds_are_found_again_from_the_counts_they_give(
     hidden = with_thresholds(PUBLISHED[name](), on * unit, off * unit)
     events = simulate(MODELS[name](scene.width, scene.height, hidden, 7), scene)
     wanted = int(events["p"].sum()), int((~events["p"]).sum())
-    found = fitted(name, scene, *wanted, seed=8)
+    found = with_fitted_thresholds(name, scene, *wanted, seed=8)
     again = simulate(MODELS[name](scene.width, scene.height, found, 8), scene)
     assert again["p"].sum() == pytest.approx(wanted[0], rel=0.0101, abs=2)
     assert (~again["p"]).sum() == pytest.approx(wanted[1], rel=0.0101, abs=2)
@@ -121,7 +128,7 @@ def test_only_what_counts_is_counted(scene: Scene) -> None:
     events = simulate(MODELS["esim"](scene.width, scene.height, EsimParameters(0.3, 0.3), 1), scene)
     wanted = early(events)
     counts = int(wanted["p"].sum()), int((~wanted["p"]).sum())
-    found = fitted("esim", scene, *counts, seed=1, counted=early)
+    found = with_fitted_thresholds("esim", scene, *counts, seed=1, counted=early)
     assert isinstance(found, EsimParameters)
     assert (found.theta_on, found.theta_off) == pytest.approx((0.3, 0.3), rel=0.03)
 

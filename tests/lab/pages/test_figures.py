@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from voltcam_lab.distances import Light, NoiseRates, Region
+from voltcam_lab.distances import FrameLight, NoiseRates, Region
 from voltcam_lab.distances.counts import count_images, watched
-from voltcam_lab.distances.inter_event_intervals import Strata, same_polarity
+from voltcam_lab.distances.inter_event_intervals import IntervalStrata, same_polarity
 from voltcam_lab.evaluation.figures.dots import dots
 from voltcam_lab.evaluation.figures.noise import (
     HeldImage,
-    at_rest,
     noise_against_intensity,
     noise_in_recording,
+    still_noise_rates,
 )
 from voltcam_lab.evaluation.figures.temperature import LeakByTemperature, leak_by_temperature, temperature
 from voltcam_lab.pages.clouds import busiest, clouds, time_surface
@@ -40,7 +40,7 @@ def some_events(seed: int, size: int = 20_000) -> Events:
 
 def test_rates_at_rest_without_noise_are_drift_over_threshold() -> None:
     quiet = PUBLISHED.changed({"photon_noise": {"k3": 0}, "leak_noise": {"k6": 1e-9}})
-    on, off = at_rest(quiet.changed({"comparator": {"theta_on": 2.0}}), np.array([0.0, 100.0]))
+    on, off = still_noise_rates(quiet.changed({"comparator": {"theta_on": 2.0}}), np.array([0.0, 100.0]))
     assert on == pytest.approx([1e6 * 1e-7 / 2, 1e6 * (1e-7 + 5e-7) / 2])
     assert not off.any()
 
@@ -51,7 +51,7 @@ def test_rates_at_rest_without_drift_are_those_of_diffusion() -> None:
         "photon_noise": {"k3": 0}, "leak_noise": {"k6": 1e-3}, "junction_leak": {"k4_per_us": 0},
         "parasitic_photocurrent": {"k5_per_dn_us": 0}, "comparator": {"theta_on": 1.0, "theta_off": 0.5},
     })  # fmt: skip
-    on, off = at_rest(still, np.array([100.0]))
+    on, off = still_noise_rates(still, np.array([100.0]))
     assert on == pytest.approx(1.0 / 1.5, rel=1e-3)
     assert off == pytest.approx(1.0 / 0.75, rel=1e-3)
 
@@ -60,7 +60,7 @@ def test_rates_at_rest_without_drift_are_those_of_diffusion() -> None:
 def test_the_exact_law_is_on_the_line(parameters: Parameters) -> None:
     held = HeldImage(intensities=8, rows=400, seconds=20, fps=10)
     measured = held.rates(Simulator(8, 400, parameters, seed=3))
-    expected = at_rest(parameters, held.levels_dn)
+    expected = still_noise_rates(parameters, held.levels_dn)
     for rates, line in zip(measured, expected, strict=True):
         counts = line * held.rows * held.seconds
         assert (np.abs(rates - line) * held.rows * held.seconds <= 5 * np.sqrt(counts + 1)).all()
@@ -100,7 +100,7 @@ def test_the_busiest_window_is_where_events_are() -> None:
 def all_figures() -> dict[str, Figure]:
     real, simulated = some_events(1), some_events(2)
     region = Region.whole(WIDTH, HEIGHT, 0, 1_000_000)
-    light = Light(
+    light = FrameLight(
         np.random.default_rng(0).integers(0, 255, (11, HEIGHT, WIDTH)).astype(np.uint8),
         np.arange(11, dtype=np.int64) * 100_000,
     )
@@ -115,7 +115,7 @@ def all_figures() -> dict[str, Figure]:
     return {
         "clouds": clouds({"real": real, "exact": simulated}, intervals, busiest(real, 96, 80), 96, 80),
         "histograms": interval_histograms(
-            intervals["real"], {"exact": intervals["exact"]}, Strata.of(intervals["real"], light)
+            intervals["real"], {"exact": intervals["exact"]}, IntervalStrata.of(intervals["real"], light)
         ),
         "residuals": residual_maps(images[0], {"exact": images[1]}, watched(region)),
         "dots": dots({"exact": row}, {"pixels": {**row, "AUC": 0.5}}),

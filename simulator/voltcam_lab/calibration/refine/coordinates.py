@@ -8,8 +8,10 @@ from numpy.typing import NDArray
 
 from voltcam_simulator import Parameters
 
-WHITE_DN = 255.0
-DARK_DN = 4.0  # grey levels below that are near a camera's black, where they tell least of the light
+from ...light.grey import WHITE_DN
+from ...models.exact import K1_TO_K6, SPREADS
+
+DARKEST_TOLD_DN = 4.0  # grey levels below that are near a camera's black, where they tell least of the light
 
 Point = Mapping[str, float]
 """Coordinates of the search; positive, except that what may be absent is 0 then.
@@ -38,24 +40,21 @@ OFFERED: tuple[tuple[str, tuple[float, ...]], ...] = (
 DELAYS_US = (100.0, 1000.0, 2000.0, 4000.0, 8000.0)
 BENT = ("gain", "knee_dn", "on_over_off")
 ABSENT = {"gamma": 1.0} | {name: 0.0 for name, _ in OFFERED}
-PLACES = {
-    "delay_us": ("latency", "delay_us"),
-    "jitter_us": ("latency", "jitter_us"),
-    "period_us": ("refractory_period", "period_us"),
-    "gamma": ("input_response", "gamma_exponent"),
-    "threshold_spread": ("threshold_mismatch", "sigma"),
-    "reset_spread": ("reset_noise", "sigma"),
-    "coupling": ("crosstalk", "coupling"),
-    "cutoff_hz": ("photoreceptor_bandwidth", "cutoff_hz"),
-    "k3": ("photon_noise", "k3"),
-    "k4_per_us": ("junction_leak", "k4_per_us"),
-    "k5_per_dn_us": ("parasitic_photocurrent", "k5_per_dn_us"),
-    "leak_spread": ("leak_mismatch", "sigma"),
-    "k6": ("leak_noise", "k6"),
-    "shot_c": ("low_light_shot_noise", "c"),
-    "pairs_hz": ("noise_pairs", "rate_hz"),
-    "hot": ("hot_pixels", "fraction"),
-}
+PLACES = (
+    SPREADS
+    | {name: K1_TO_K6[name] for name in ("k3", "k4_per_us", "k5_per_dn_us", "k6")}
+    | {
+        "delay_us": ("latency", "delay_us"),
+        "jitter_us": ("latency", "jitter_us"),
+        "period_us": ("refractory_period", "period_us"),
+        "gamma": ("input_response", "gamma_exponent"),
+        "coupling": ("crosstalk", "coupling"),
+        "cutoff_hz": ("photoreceptor_bandwidth", "cutoff_hz"),
+        "shot_c": ("low_light_shot_noise", "c"),
+        "pairs_hz": ("noise_pairs", "rate_hz"),
+        "hot": ("hot_pixels", "fraction"),
+    }
+)
 
 
 def point_of(parameters: Parameters) -> dict[str, float]:
@@ -73,7 +72,7 @@ def point_of(parameters: Parameters) -> dict[str, float]:
     }
 
 
-def parameters_of(point: Point, base: Parameters) -> Parameters:
+def parameters_at(point: Point, base: Parameters) -> Parameters:
     """The camera at these coordinates; the rest as in `base`. Raises pydantic's ValidationError, which is a
     ValueError, where they are outside of what parameters may be."""
     changes: dict[str, dict[str, float]] = {}
@@ -95,9 +94,9 @@ def response(point: Point, grey_dn: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(point["gain"] / gamma * (light - light[0]))
 
 
-def bent(point: Point, gamma: float, knee_dn: float) -> dict[str, float]:
+def with_curvature(point: Point, gamma: float, knee_dn: float) -> dict[str, float]:
     """Another gamma and knee, and the gain with which the response from dark to bright is what it was."""
-    ends = np.array([DARK_DN, WHITE_DN / 2])
+    ends = np.array([DARKEST_TOLD_DN, WHITE_DN / 2])
     other = {**point, "gamma": gamma, "knee_dn": knee_dn}
     other["gain"] *= float(response(point, ends)[1] / response(other, ends)[1])
     return other

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from voltcam_simulator.effect import Events
 
-from ...distances import Light, Region
-from ...distances.counts import at_rest, count_images, watched
-from ...distances.inter_event_intervals import Intervals, Strata, any_polarity, same_polarity
+from ...distances import FrameLight, Region
+from ...distances.counts import count_images, in_still_light, watched
+from ...distances.inter_event_intervals import Intervals, IntervalStrata, any_polarity, same_polarity
 
 DECADES = (1.5, 7.5)
 PER_DECADE = 10
@@ -27,7 +27,7 @@ class Goal:
 
     real: Events
     region: Region
-    light: Light
+    light: FrameLight
 
     def score(self, simulated: Events) -> float:
         """0 for the recording itself. What it adds up:
@@ -56,8 +56,8 @@ class Goal:
         return same_polarity(self.real, self.region)
 
     @cached_property
-    def _strata(self) -> Strata:
-        return Strata.of(self._same, self.light)
+    def _strata(self) -> IntervalStrata:
+        return IntervalStrata.of(self._same, self.light)
 
     @cached_property
     def _histograms(self) -> list[Vector]:
@@ -76,7 +76,7 @@ class Goal:
         return self._resting_of(self.real)
 
     def _resting_of(self, events: Events) -> tuple[int, int]:
-        events = at_rest(events, self.region, self.light)
+        events = in_still_light(events, self.region, self.light)
         on = int(np.count_nonzero(events["p"]))
         return on, len(events) - on
 

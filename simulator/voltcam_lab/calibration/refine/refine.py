@@ -6,7 +6,6 @@ the blue: each changes what a simulation gives out, so it is tried, with the sam
 of the pixels; a mechanism, or other light, stays only if the other part, which saw no steps, comes closer.
 """
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -15,29 +14,19 @@ from numpy.typing import NDArray
 
 from voltcam_simulator import Parameters
 
-from ...distances import Light, Region, by_pixels
-from ...light.between_frames import calmed, evened, sharpened
+from ...distances import FrameLight, Region, by_pixels
 from ...light.scene import Scene
+from .coordinate_search import CoordinateSearch
 from .coordinates import (
     ABSENT,
-    BENT,
     CORE,
-    DELAYS_US,
-    OFFERED,
-    WHITE_DN,
-    Point,
-    bent,
-    parameters_of,
+    parameters_at,
     point_of,
 )
 from .goal import Goal
-from .replay import Replay
 
 DEVELOPED_PIXELS = 12  # side of the tiles, every other one of which judges what is kept
 LONGEST = 40e6  # pixels times images of light that are simulated, unless told otherwise
-BETTER = 0.998  # of the score, for what is new to stay
-SHARPENING = (0.15, 0.3, 0.45)
-BENDS = ((1.0, 1.0), (0.6, 2.5), (0.6, 5.0))  # factors of gamma, and of the knee
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +47,7 @@ class Refined:
 def refine(
     events: NDArray[np.void],
     scene: Scene,
-    light: Light,
+    light: FrameLight,
     fitting: Region,
     start: Parameters,
     seed: int = 0,
@@ -74,7 +63,7 @@ def refine(
     """
     part = _busiest(events, scene, fitting, longest)
     seen, other = (Goal(events, half, light) for half in by_pixels(part, DEVELOPED_PIXELS))
-    search = _Search(start, seen, other, scene, part, seed, report)
+    search = CoordinateSearch(start, seen, other, scene, part, seed, report)
     point = point_of(start)
     before = search.unseen(point)
     point = search.first(point)
@@ -83,7 +72,7 @@ def refine(
     point = search.polished(point, CORE + kept)
     point, kept = search.without_needless(point, kept)
     return Refined(
-        parameters=parameters_of(point, start),
+        parameters=parameters_at(point, start),
         scene=lit.scene,
         light=lit.words,
         kept=kept,
@@ -105,166 +94,3 @@ def _busiest(events: NDArray[np.void], scene: Scene, region: Region, longest: fl
     counts = np.searchsorted(t_us, edges[1]) - np.searchsorted(t_us, edges[0])
     best = int(np.argmax(counts))
     return region.during(np.array([[edges[0][best], edges[1][best]]], np.int64))
-
-
-@dataclass(frozen=True, eq=False)
-class _Trial:
-    """A point in a light, its score, and that of the pixels that took part in no step."""
-
-    point: dict[str, float]
-    score: float
-    unseen: float
-    scene: Scene
-    words: str
-    sharpening: float
-
-    def better_than(self, other: "_Trial") -> bool:
-        return self.score < other.score * BETTER and self.unseen < other.unseen * BETTER
-
-
-@dataclass
-class _Search:
-    start: Parameters
-    seen: Goal
-    other: Goal
-    scene: Scene
-    region: Region
-    seed: int
-    report: Callable[[str], None]
-
-    def __post_init__(self) -> None:
-        self.replay = Replay.of(self.scene, self.region)
-
-    def score(self, point: Point) -> float:
-        """What steps are judged by; inf where there is no such camera."""
-        if point["knee_dn"] > WHITE_DN:  # of no consequence any more
-            return math.inf
-        try:
-            return self.seen.score(self._events(point))
-        except ValueError:
-            return math.inf
-
-    def unseen(self, point: Point) -> float:
-        """What decides whether something new stays."""
-        return self.other.score(self._events(point))
-
-    def _events(self, point: Point) -> NDArray[np.void]:
-        return self.replay.events(parameters_of(point, self.start), self.seed)
-
-    def moved(
-        self, point: Point, names: tuple[str, ...], size: float, rounds: int, best: float | None = None
-    ) -> tuple[dict[str, float], float]:
-        """Coordinate search: each name up and down by its step, which grows with what helps and shrinks with
-        what does not. Returns the best point, and its score."""
-        point, best = dict(point), self.score(point) if best is None else best
-        sizes = dict.fromkeys(names, size)
-        for _ in range(rounds):
-            for name in names:
-                for sign in (1, -1):
-                    tried = self._with(point, name, point[name] * math.exp(sign * sizes[name]))
-                    value = self.score(tried)
-                    if value < best:
-                        point, best, sizes[name] = tried, value, sign * sizes[name] * 1.4
-                        break
-                else:
-                    sizes[name] *= 0.4
-        return point, best
-
-    def first(self, point: Point) -> dict[str, float]:
-        """What the likelihood took for noise may be error of the light: without, if that is closer."""
-        self.report("refine: noise")
-        point = dict(point)
-        point["delay_us"], point["period_us"] = max(point["delay_us"], 100.0), max(point["period_us"], 100.0)
-        best = self.score(point)
-        for late_us in DELAYS_US:  # events that come early or late bend all the rest
-            tried, value = self.moved(point | {"delay_us": late_us}, ("gain",), 0.3, 2)
-            if value < best:
-                point, best = tried, value
-        for names in (("reset_spread",), ("k3", "k6"), ("k4_per_us", "k5_per_dn_us"), ("threshold_spread",)):
-            for share in (0.0, 0.3):
-                tried = point | {name: share * point[name] for name in names}
-                value = self.score(tried)
-                if value < best:
-                    point, best = tried, value
-        self.report("refine: thresholds, delay")
-        return self.moved(point, CORE, 0.3, 6, best)[0]
-
-    def light(self, point: dict[str, float], same_light: bool) -> "_Trial":
-        """The point with the light that is closest.
-
-        How sharp light is and how grey levels stand for it make up for one another: both at once.
-        """
-        found = best = _Trial(point, self.score(point), self.unseen(point), self.scene, "as it was", 0.0)
-        lights = [(self.scene, "as it was", 0.0)]
-        if not same_light:
-            even = evened(self.scene)
-            lights += [(sharpened(even, x), f"evened, sharpened by {x:g}", x) for x in SHARPENING]
-        for bend, knee in BENDS:
-            tried = bent(point, bend * point["gamma"], knee * point["knee_dn"])
-            for scene, words, sharpening in lights:
-                trial = self._tried(tried, scene, words, sharpening)
-                best, tried = (trial if trial.score < best.score else best), trial.point
-        found = best if best.better_than(found) else found
-        if not same_light:
-            calm = calmed(self.scene)
-            if found.scene is not self.scene:
-                calm = sharpened(evened(calm), found.sharpening)
-            trial = self._tried(found.point, calm, f"calmed, {found.words}", found.sharpening)
-            found = trial if trial.better_than(found) else found
-        self.replay = Replay.of(found.scene, self.region)
-        return found
-
-    def _tried(self, point: dict[str, float], scene: Scene, words: str, sharpening: float) -> "_Trial":
-        self.report(f"refine: light {words}, gamma {point['gamma']:g}")
-        self.replay = Replay.of(scene, self.region)
-        point, score = self.moved(point, BENT, 0.15, 2)
-        return _Trial(point, score, self.unseen(point), scene, words, sharpening)
-
-    def offered(self, point: dict[str, float]) -> tuple[dict[str, float], tuple[str, ...]]:
-        """The point with those mechanisms that help pixels which did not choose them; all that it has."""
-        kept = [name for name, value in ABSENT.items() if point[name] != value]
-        best, unseen = self.score(point), self.unseen(point)
-        for name, values in OFFERED:
-            if name in kept:
-                continue
-            self.report(f"refine: {name}")
-            tries = [(self.score(tried), tried) for tried in (self._with(point, name, x) for x in values)]
-            value, tried = min(tries, key=lambda each: each[0])
-            if value < best * 1.05:  # what stands in its place is in the way
-                tried, value = self.moved(tried, (name, "gain"), 0.2, 2, value)
-            if value >= best * BETTER:
-                continue
-            other = self.unseen(tried)
-            if other < unseen * BETTER:
-                point, best, unseen = tried, value, other
-                kept += [name] if name not in kept else []
-        return point, tuple(kept)
-
-    def _with(self, point: dict[str, float], name: str, value: float) -> dict[str, float]:
-        """A mechanism at a size; what it makes late is taken from the delay, what it bends from the gain."""
-        if name == "gamma":
-            return bent(point, value, point["knee_dn"])
-        changed = point | {name: value}
-        if name == "cutoff_hz":
-            slower_us = 2e6 / (2 * math.pi) * (1 / value - 1 / (point[name] or math.inf))
-            changed["delay_us"] = max(point["delay_us"] - slower_us, 1.0)
-        return changed
-
-    def polished(self, point: dict[str, float], names: tuple[str, ...]) -> dict[str, float]:
-        """All at once."""
-        self.report("refine: all")
-        return self.moved(point, names, 0.1, 5)[0]
-
-    def without_needless(
-        self, point: dict[str, float], kept: tuple[str, ...]
-    ) -> tuple[dict[str, float], tuple[str, ...]]:
-        """Less what neither part misses."""
-        self.report("refine: what is needed")
-        best, unseen = self.score(point), self.unseen(point)
-        for name in kept:
-            tried = point | {name: ABSENT[name]}
-            value = self.score(tried)
-            if value * BETTER < best and self.unseen(tried) * BETTER < unseen:
-                point, best, unseen = tried, value, self.unseen(tried)
-                kept = tuple(other for other in kept if other != name)
-        return point, kept

@@ -45,7 +45,7 @@ class HeldImage:
         return on / pixel_seconds, off / pixel_seconds
 
 
-def at_rest(parameters: Parameters, intensity_dn: Array) -> tuple[Array, Array]:
+def still_noise_rates(parameters: Parameters, intensity_dn: Array) -> tuple[Array, Array]:
     """(ON, OFF) events a second and pixel of the paper's Eq. 10 and 11 in still light, by the exact law.
 
     Brownian motion with drift m and standard deviation s leaves the band (-b, a) from 0 at +a with
@@ -102,7 +102,9 @@ def _panel(
                     alpha=0.75, markerfacecolor="none" if name != "exact" else colour,
                     markeredgewidth=1, label=f"{polarity}, {name}",
                 )  # fmt: skip
-    for rates, colour, polarity in zip(at_rest(parameters, fine), (ON, OFF), ("ON", "OFF"), strict=True):
+    for rates, colour, polarity in zip(
+        still_noise_rates(parameters, fine), (ON, OFF), ("ON", "OFF"), strict=True
+    ):
         shown = np.where(rates > least, rates, np.nan)
         if not np.isnan(shown).all():
             panel.plot(fine, shown, color=colour, label=f"{polarity}, closed form", zorder=3)

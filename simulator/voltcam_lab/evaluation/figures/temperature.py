@@ -12,7 +12,7 @@ from voltcam_simulator import Parameters, Simulator
 from voltcam_simulator.effects.junction_leak import ZERO_C_IN_K
 
 from ...pages.style import GREEN, ORANGE, PURPLE, styled
-from .noise import at_rest
+from .noise import still_noise_rates
 
 Array = NDArray[np.float64]
 COLOURS = (PURPLE, GREEN, ORANGE)
@@ -49,7 +49,7 @@ def temperature(set_up: LeakByTemperature, measured: Mapping[str, tuple[Paramete
     fine_c = np.linspace(set_up.temperatures_c[0], set_up.temperatures_c[-1], 200)
     for (title, (parameters, rates)), colour in zip(measured.items(), COLOURS, strict=False):
         line = [
-            at_rest(parameters.changed({"temperature_c": c}), np.array([set_up.intensity_dn]))[0][0]
+            still_noise_rates(parameters.changed({"temperature_c": c}), np.array([set_up.intensity_dn]))[0][0]
             for c in fine_c
         ]
         axes.plot(_inverse(fine_c), line, color=colour)
