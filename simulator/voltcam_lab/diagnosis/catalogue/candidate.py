@@ -11,8 +11,8 @@ from pydantic.fields import FieldInfo
 from voltcam_simulator import Parameters
 
 Growth = Literal["stronger", "weaker", "ratio"]
-"""What a larger first size does: it makes the effect stronger; weaker (a cutoff frequency, a largest rate); or
-the size is a ratio, 1 where there is no effect."""
+"""What a larger first size does. It makes the effect stronger; or weaker (a cutoff frequency, a largest
+rate); or it is a ratio, 1 where there is no effect."""
 Interval = tuple[float, float, float]
 """(value, low end, high end)."""
 
@@ -22,7 +22,8 @@ class Candidate:
     """A form of an effect, and how to switch it on. Sizes are numbers for `names`, parameters of the effect.
 
     sizes: where the search looks. Fits find other sizes of the same sign. others: further parameters, fixed.
-    least: smallest possible first number (a share of pixels is at least one pixel). growth: of the first number.
+    least: smallest possible first number (a share of pixels is at least one pixel). growth: of the first
+    number.
     """
 
     effect: str

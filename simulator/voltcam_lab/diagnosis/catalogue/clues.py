@@ -1,4 +1,4 @@
-"""What the events of a recording tell before anything is fitted: the catalogue takes sizes and times of it."""
+"""What events tell before anything is fitted: from here the catalogue takes sizes and times."""
 
 from dataclasses import dataclass
 from functools import cached_property

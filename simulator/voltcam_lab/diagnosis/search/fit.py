@@ -55,7 +55,7 @@ class _Fit:
         return flat((self.search.data - mean) / self.sd)
 
     def amounts(self, z: Values, columns: NDArray[np.float64], at: FitPoint) -> NDArray[np.float64]:
-        """Where straight lines have the first parameters, as many as there are columns, for the least loss."""
+        """Where straight lines have the first parameters, one for each column, for the least loss."""
         prior_sd = at.hypothesis.prior_sd(self.search.settings)[: columns.shape[1]]
         return robust_fit(z, columns, prior_sd).x
 

@@ -21,8 +21,8 @@ here: of nothing, no multiple is anything."""
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
-    """start: the camera file's parameters; accepted: effects added, each with the size at which its fit began;
-    shift: (6 + sizes,) logarithms of the change of base parameters and of these sizes."""
+    """start: the camera file's parameters; accepted: effects added, each with the size at which its fit
+    began; shift: (6 + sizes,) logarithms of the change of base parameters and of these sizes."""
 
     start: Parameters
     accepted: tuple[tuple[Candidate, tuple[float, ...]], ...] = ()

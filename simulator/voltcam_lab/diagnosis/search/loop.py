@@ -123,9 +123,7 @@ def _explained(
     return None if rest is None else [(one, after), *rest]
 
 
-def _better_without_name(
-    search: Search, before: Step, chain: Sequence[tuple[Found, Step]]
-) -> Step | None:
+def _better_without_name(search: Search, before: Step, chain: Sequence[tuple[Found, Step]]) -> Step | None:
     """The step at which a drift or noise without a name fits better than effects that explain a gap but
     leave some of it; None where none does."""
     last, after = chain[-1]

@@ -2,8 +2,8 @@
 
 Units. A *z* is a deviation of one statistic in standard deviations of simulated twins. A *gap* is the mean
 Huber loss of z over the statistics; chance alone leaves about 0.25 to 0.5 of it. The *excess* is the gap over
-what chance leaves. *Training loss* is the Huber loss summed over the statistics of the training parts. *Log* is
-a natural logarithm of a parameter.
+what chance leaves. *Training loss* is the Huber loss summed over the statistics of the training parts. *Log*
+is a natural logarithm of a parameter.
 
 Sources. "Convention": chosen, nothing was measured for it. "Development": chosen so that generated recordings
 (tests/generator) at development seeds, which no report uses, got the right verdicts.

@@ -1,4 +1,4 @@
-"""Twins of a hypothesis: what they give on average, how they scatter, and how that changes with parameters."""
+"""Twins of a hypothesis: what they give on average, how they scatter, how that changes with parameters."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,8 +22,8 @@ class TwinSpread:
     """Twins of a hypothesis: mean and sd of each statistic, both (PARTS, n), the twins themselves, and
     (PARTS, n, k) slopes of the mean with respect to the hypothesis' `shift`.
 
-    sd: of twins and `model_variance`, the square of what a model is off by. inflated_sd: sd and a share of what
-    the effects in the model do; more effects are looked for in its units.
+    sd: of twins and `model_variance`, the square of what a model is off by. inflated_sd: sd and a share of
+    what the effects in the model do; more effects are looked for in its units.
     """
 
     mean: Values
@@ -51,9 +51,7 @@ class TwinSpread:
         return found
 
 
-def spread_of(
-    rig: Rig, hypothesis: Hypothesis, seeds: Sequence[int], settings: SearchSettings
-) -> TwinSpread:
+def spread_of(rig: Rig, hypothesis: Hypothesis, seeds: Sequence[int], settings: SearchSettings) -> TwinSpread:
     """Twins of a hypothesis: one for each seed."""
     twins = list(rig.runs([hypothesis.parameters()], seeds)[0])
     mean, variance = _mean_and_variance(twins)
