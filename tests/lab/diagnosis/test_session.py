@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from voltcam_client.formats import Recording
-from voltcam_lab.diagnosis.catalogue.catalogue import catalogue
 from voltcam_lab.diagnosis.rig.part import cut, sample
 from voltcam_lab.diagnosis.rig.rig import Rig
 from voltcam_lab.diagnosis.rig.stored import StoredRig
@@ -83,8 +82,8 @@ def test_of_a_street_pixels_at_rest_are_enough(tmp_path: Path) -> None:
     path = DATA / "davis346_street" / "davis346.aedat4"
     if not path.exists():
         pytest.skip("no davis346_street in ../shared/data or $VOLTCAM_DATA")
-    told = session_of(load(path), PAPER, tmp_path).looked_at()
-    assert "is known for 96% of pixels and time, with 1.0% of the events" in told
+    words = session_of(load(path), PAPER, tmp_path).looked_at()
+    assert "is known for 96% of pixels and time, with 1.0% of the events" in words
 
 
 def refused_after(recording: Recording, folder: Path) -> str:
@@ -128,11 +127,9 @@ def test_effects_of_the_camera_file_are_not_searched(tiny: Recording, tmp_path: 
 def test_what_the_file_has_of_an_effect_is_not_written_over(
     tiny: Recording,
     tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
     in_file: dict[str, dict[str, float]],
     not_searched: set[tuple[str, ...]],
 ) -> None:
-    monkeypatch.setattr("voltcam_lab.diagnosis.session.catalogue", catalogue)  # all of it
     (effect,) = in_file
     camera = PAPER.model_copy(update={"parameters": PAPER.parameters.changed(in_file)})
     all_names, names = (
@@ -154,8 +151,8 @@ def test_what_is_in_step_with_the_recording_s_clock_is_found_and_written_on_it(
     camera = PAPER.model_copy(update={"parameters": lit})
     here, there = (session_of(one, camera, tmp_path) for one in (tiny, later))
     assert (here.origin_us, there.origin_us) == (0, late)
-    assert here.model.start == lit
-    turns = there.model.start.flicker.phase_turns
+    assert here.parameters == lit
+    turns = there.parameters.flicker.phase_turns
     assert turns == pytest.approx(0.3)  # 403.2 periods later
 
 

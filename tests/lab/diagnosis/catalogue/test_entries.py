@@ -5,18 +5,24 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from voltcam_lab.diagnosis.catalogue.candidate import Candidate
-from voltcam_lab.diagnosis.catalogue.clues import Clues
-from voltcam_lab.diagnosis.catalogue.entries import ENTRIES, catalogue
+from voltcam_lab.diagnosis.catalogue.entries import (
+    ENTRIES,
+    acts_across_columns,
+    catalogue,
+    in_words,
+    next_recording,
+)
 from voltcam_lab.diagnosis.catalogue.flicker import Lamp
 from voltcam_lab.diagnosis.catalogue.temperature_drift import Warming
 from voltcam_lab.diagnosis.catalogue.thresholds import ThresholdRatio
-from voltcam_lab.diagnosis.search.model import Model
-from voltcam_lab.diagnosis.search.unlisted import STEEP, forms
+from voltcam_lab.models.exact import IN_THRESHOLDS, K1_TO_K6
 from voltcam_simulator import Parameters
 from voltcam_simulator.effects import EFFECTS
 
-CLUES = Clues(6.0, 50_000, 100.0, 40_000, 500, 35.25, 36, 1234.0, 1, 1728)
+from ..made_rig import made_clues
+
+CLUES = made_clues()
+SCALED = [K1_TO_K6[name] for name in IN_THRESHOLDS]
 INPUT_AND_BASE = {
     "contrast_response", "photon_noise", "junction_leak", "parasitic_photocurrent", "leak_noise",
     "dark_current", "residual_drift", "residual_noise",
@@ -102,16 +108,6 @@ def test_sizes_stay_inside_the_limits_of_the_registry() -> None:
     assert tick.on(paper, (3.4,)).timestamp_quantum.quantum_us == 3
 
 
-@pytest.mark.parametrize("log", [-30.0, 20.0])
-@pytest.mark.parametrize("candidate", catalogue(CLUES), ids=lambda one: one.effect)
-def test_a_fit_that_goes_astray_meets_the_limits_and_not_an_error(candidate: Candidate, log: float) -> None:
-    """Of a real recording, with a published camera file, k2 went beyond 10 000 DN."""
-    model = Model(Parameters.of("paper")).with_effect(candidate, candidate.sizes[0])
-    parameters = model.parameters([log] * len(model.shift))
-    assert parameters == Parameters.model_validate(parameters.model_dump())
-    assert (parameters.contrast_response.k2_dn == 10_000) == (log > 0)
-
-
 def test_how_many_times_as_strong_as_it_is_looked_for() -> None:
     found = {(one.effect, one.names[0]): one for one in catalogue(CLUES)}
     assert found["dead_pixels", "fraction"].times((0.97,)) == pytest.approx(97)
@@ -126,49 +122,32 @@ def test_how_many_times_as_strong_as_it_is_looked_for() -> None:
     )
 
 
-def test_a_model_knows_its_base_and_its_effects() -> None:
-    start = Parameters.of("paper")
-    dead_time = next(one for one in catalogue(CLUES) if one.effect == "refractory_period")
-    model = Model(start).with_effect(dead_time, (1000.0,))
-    moved = model.parameters([0.1, 0, 0, 0, 0, 0, 0.2])
-    assert moved.contrast_response.k1 == pytest.approx(start.contrast_response.k1 * 1.10517, rel=1e-4)
-    assert moved.refractory_period.period_us == pytest.approx(1221.4, rel=1e-4)
-    assert model.without(0).parameters() == start
+def test_each_effect_has_one_entry_and_the_entry_its_own_candidates() -> None:
+    assert len({entry.effect for entry in ENTRIES}) == len(ENTRIES)
+    for entry in ENTRIES:
+        assert {one.effect for one in entry.candidates(CLUES)} <= {entry.effect}
+        assert entry.best_shown_by
 
 
-def test_forms_of_the_open_route_are_drifts_and_noises() -> None:
-    assert {one.effect for one in forms(Parameters.of("paper"))} == {"residual_drift", "residual_noise"}
+@pytest.mark.parametrize(
+    ("effect", "sizes"),
+    [
+        ("readout", {"event_us": 10}),
+        ("residual_drift", {"per_us": 1e-6, "across": 0.5}),
+        ("usb_overflow", {"max_rate_events_per_s": 1e5}),
+        ("vignetting", {"corner_loss": 0.5}),
+    ],
+)
+def test_effects_that_the_columns_share(effect: str, sizes: dict[str, float]) -> None:
+    assert not acts_across_columns(Parameters.of("paper"))
+    assert acts_across_columns(Parameters.of("paper").changed({effect: sizes}))
 
 
-def test_drifts_are_tried_either_way_below_and_above_the_leak() -> None:
-    """A small one slows the leak, a large one turns it round: neither is the other's multiple."""
-    start = Parameters.of("paper")
-    leak = start.junction_leak.k4_per_us + 128 * start.parasitic_photocurrent.k5_per_dn_us
-    for form in forms(start):
-        if form.effect == "residual_drift":
-            found = [form.on(start, size).residual_drift for size in form.sizes]
-            most = [one.per_us * max(1, one.across, one.down) / leak for one in found]
-            ways_and_sizes = {(size > 0, abs(size) > 1) for size in most}
-            assert ways_and_sizes == {(True, True), (True, False), (False, True), (False, False)}
-
-
-def test_across_the_image_nothing_is_looked_for_in_strips_of_it() -> None:
-    start = Parameters.of("paper")
-    of_strips = forms(start, whole=False)
-    assert [one.others for one in forms(start) if one not in of_strips] == [{"power": 0.0, "across": STEEP}]
-
-
-@pytest.mark.parametrize("axis", ["across", "down"])
-def test_slopes_over_the_image_have_next_to_no_drift_in_the_middle(axis: str) -> None:
-    start = Parameters.of("paper")
-    (slope,) = (one for one in forms(start) if axis in one.others)
-    for size in slope.sizes:
-        drift = slope.on(start, size).residual_drift
-        assert abs(drift.per_us) < 0.2 * abs(drift.per_us * getattr(drift, axis))
-
-
-def test_a_leak_that_a_camera_file_does_not_have_can_be_found() -> None:
-    dry = Parameters.of("paper").changed({"junction_leak": {"k4_per_us": 0}})
-    low, high = (Model(dry).parameters([0, 0, 0, log, 0, 0]).junction_leak.k4_per_us for log in (0, 2))
-    assert 0 < low < 1e-9  # an event of a pixel in more than a quarter of an hour
-    assert high == pytest.approx(low * np.exp(2))
+def test_rivals_are_told_apart_by_what_shows_either() -> None:
+    found = next_recording("hot_pixels", ["dead_pixels", "reset_noise"])
+    assert found == (
+        "half a minute with the lens cap on, after some motion; and the same slow motion back and forth over"
+        " every pixel, many times"
+    )
+    assert in_words("hot_pixels") == "hot pixels"
+    assert in_words("comparator") == "unequal thresholds"
