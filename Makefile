@@ -14,7 +14,10 @@ MINUTES ?= 60
 # Of fuzz: how long.
 SECONDS ?= 600
 
-.PHONY: run test check format hidden-effects patches soak fuzz clean calibration-table
+# Of docs: a warning is an error, and all are told. All pages are made anew, since code may have changed.
+STRICT := --fresh-env --nitpicky --fail-on-warning --keep-going --quiet
+
+.PHONY: run test check docs docs-serve format hidden-effects patches soak fuzz clean calibration-table
 
 run: .venv/installed-server
 	$(BIN)/voltcam serve
@@ -31,6 +34,12 @@ check: .venv/installed-dev
 
 calibration-table: .venv/installed-dev
 	$(BIN)/python -m tests.lab.calibration.calibration_table
+
+docs: .venv/installed-dev
+	$(BIN)/sphinx-build $(STRICT) docs build/docs
+
+docs-serve: .venv/installed-dev
+	$(BIN)/sphinx-autobuild docs build/docs
 
 format: .venv/installed-dev
 	$(BIN)/ruff format .
@@ -50,7 +59,7 @@ patches: .venv/installed-dev
 	$(BIN)/python -m tests.campaigns.patches --count $(COUNT) $(if $(SEED),--seed $(SEED))
 
 clean:
-	rm -rf .venv dist
+	rm -rf .venv dist build
 
 .venv/bin/pip:
 	$(PYTHON) -m venv .venv

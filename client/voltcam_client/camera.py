@@ -36,10 +36,10 @@ Message = TypeVar("Message", bound=Packet | FrameMessage)
 class Stream(Generic[Message]):
     """The messages of one topic, for `for` and `async for`. It reconnects by itself, for ever.
 
-    lost_packets  messages sent since the first one received here that did not arrive
-    restarts      how often `seq` went back, because the daemon was started again; what is lost between the
-                  two cannot be known
-    latency_us    how long ago, on this host's clock, the last message was made; None before the first
+    - `lost_packets`: messages sent since the first one received here that did not arrive.
+    - `restarts`: how often `seq` went back, because the daemon was started again. What is lost between the
+      two cannot be known.
+    - `latency_us`: how long ago, on this host's clock, the last message was made; None before the first.
 
     Iterating raises TimeoutError when no message comes for `timeout_s` (None: waits for ever), after which
     it may go on, and PacketError for what is not a message of a Voltcam daemon. One thread at a time.
@@ -173,9 +173,14 @@ class Stream(Generic[Message]):
 class EventCamera(Stream[Packet]):
     """The event packets of the Voltcam daemon at a ZeroMQ address.
 
-    A reader slower than the camera loses packets, not memory: `queue_length` of them wait here, more are
-    dropped and show in `lost_packets`. keys: this client's folder made by `voltcam keys`, where the camera
-    uses keys; none: that of VOLTCAM_KEYS. Raises VoltcamError for an address that is none.
+    - `url`: tcp://HOST:PORT.
+    - `timeout_s`: how long iterating waits for a packet; None: for ever.
+    - `queue_length`: packets that wait here for a reader slower than the camera. More are dropped, and show
+      in `lost_packets`.
+    - `keys`: this client's folder made by `voltcam keys`, where the camera uses keys; None: that of
+      VOLTCAM_KEYS.
+
+    It is a `Stream` of `Packet`. Raises VoltcamError for an address that is none.
     """
 
     def __init__(

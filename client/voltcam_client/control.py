@@ -21,10 +21,13 @@ Json = dict[str, Any]
 class Control:
     """The Voltcam daemon at an HTTP address.
 
-    Each method returns the daemon's answer and raises ControlError, in one line, when the daemon refuses or
-    does not answer within `timeout_s`, for changes LONGEST_S at least; a refused change has changed nothing.
-    token: of a daemon that asks for one; none: that of VOLTCAM_TOKEN. camera: which, of a daemon that has
-    several; none: its first.
+    - `url`: http://HOST:PORT, or https.
+    - `timeout_s`: how long it waits for an answer; for that to a change 90 s at least.
+    - `token`: of a daemon that asks for one; None: that of VOLTCAM_TOKEN.
+    - `camera`: which, of a daemon that has several; None: its first.
+
+    Each method returns the daemon's answer, a dict. It raises ControlError, in one line, when the daemon
+    refuses or does not answer in time. A refused change has changed nothing.
     """
 
     def __init__(

@@ -50,7 +50,7 @@ import numpy as np
 import numpy.typing as npt
 
 from voltcam_client.errors import PacketError
-from voltcam_client.words import EVT3, LIBCAER_CMP, WORDS_SPAN_US, from_words, start_words, to_words
+from voltcam_client.word_stream import EVT3, LIBCAER_CMP, WORDS_SPAN_US, from_words, start_words, to_words
 
 EVENT = np.dtype([("t", "<i8"), ("x", "<u2"), ("y", "<u2"), ("p", "?")])
 """One event: time in us, pixel, polarity (True = ON). Arrays of it are sorted by ``t``."""

@@ -18,7 +18,7 @@ status     the same map as GET /api/v1/status                   none
 
 `stamp` is the host's clock (ns since 1970) when the message was made, so that latency is now - stamp.
 `time_base` is on the events' own clock. The event buffers have a file of their own, `encodings`, and the
-word streams of two of them another, `words`: together they are too long for one page.
+word streams of two of them another, `word_stream`: together they are too long for one page.
 """
 
 from collections.abc import Mapping
@@ -57,14 +57,15 @@ TOPIC_STATUS = b"status"
 class Packet:
     """Some successive events of one camera.
 
-    events              (N,) EVENT, sorted by t, from time_base_ns on
-    height, width       of the camera, pixels
-    seq                 counts packets, so that a gap is a loss
-    time_base_ns        the events' clock at the start of the packet: a whole number of us, 0 or more
-    stamp_ns            the host's clock when the packet was made, ns since 1970
-    encoding            libcaer, mono, evt3 or libcaer_cmp
-    parameters_version  the version of the parameters that all of these events were made with
-    dropped             source frames skipped since the daemon started, because a newer one was there
+    - `events`: (N,) EVENT, sorted by t, from time_base_ns on.
+    - `height`, `width`: of the camera, pixels.
+    - `seq`: counts packets, so that a gap is a loss.
+    - `time_base_ns`: the events' clock at the start of the packet; a whole number of us, 0 or more.
+    - `stamp_ns`: the host's clock when the packet was made, ns since 1970.
+    - `frame_id`: the camera's name.
+    - `encoding`: libcaer, mono, evt3 or libcaer_cmp.
+    - `parameters_version`: the version of the parameters that all of these events were made with.
+    - `dropped`: source frames skipped since the daemon started, because a newer one was there.
     """
 
     events: Events
@@ -81,7 +82,13 @@ class Packet:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FrameMessage:
-    """One frame that the simulator was given: image (H, W) uint8, at `t_us` on the events' clock."""
+    """One frame that the simulator was given.
+
+    - `image`: (H, W) uint8, grey levels.
+    - `seq`: counts frames.
+    - `t_us`: its time on the events' clock, us.
+    - `stamp_ns`, `frame_id`, `parameters_version`: as in `Packet`.
+    """
 
     image: npt.NDArray[np.uint8]
     seq: int

@@ -21,7 +21,6 @@ from voltcam_video import SourceError
 
 from .access import AccessError, Guard, SourceRules, Tokens, session_routes
 from .access.session import Sessions
-from .bodies import refuses
 from .camera_api import camera_routes, stream_routes
 from .cameras import Cameras, NoCameraError
 from .diagnosis_api import diagnosis_routes
@@ -29,6 +28,7 @@ from .metrics import CONTENT_TYPE, prometheus
 from .openapi import describe
 from .problems import UsageError, one_line
 from .reload import ReloadAnswer
+from .request_body import refuses
 
 WEB = Path(__file__).parent / "web"
 

@@ -5,51 +5,29 @@ Every figure is CPU time of one thread unless it says otherwise: median over rep
 
 import json
 import os
-import statistics
 import subprocess
 import sys
 import tempfile
 import time
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from functools import partial
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from tqdm import tqdm
 
 from voltcam_simulator import Law, Parameters, Simulator
 from voltcam_video import Frame, along_flow
 from voltcam_video.sources.scene import render
 
+from .bench_figure import REPEATS, Figure, Frames, repeated
+from .bench_limits import machine, numpy_paper_law
 from .bench_scene import moving, noisy
 
-Frames = NDArray[np.uint8]
-REPEATS = 5
 STILL_FRAMES = 600  # twenty seconds: long enough for the start, eight frames and a draw, to be a small part
 SIZES = {"346x260": (346, 260, 60), "1280x720": (1280, 720, 12)}  # width, height, frames
-
-
-@dataclass
-class Figure:
-    """One line of the table: a median, its spread, what it is measured in, and what to hold it against."""
-
-    name: str
-    median: float
-    least: float
-    most: float
-    unit: str
-    remark: str = ""
-
-    @classmethod
-    def of(cls, name: str, values: list[float], unit: str, remark: str = "") -> "Figure":
-        return cls(name, statistics.median(values), min(values), max(values), unit, remark)
-
-    def __str__(self) -> str:
-        figures = f"{self.median:10.4g}   {self.least:9.4g} to {self.most:<9.4g}"
-        return f"{self.name:<46}{figures} {self.unit:<14} {self.remark}".rstrip()
 
 
 def configure(parser: ArgumentParser) -> None:
@@ -91,19 +69,6 @@ def plan() -> Iterator[Callable[[], list[Figure]]]:
     yield partial(upsampling, moving(61, 346, 260)[::4])
     yield partial(memory, base)
     yield start
-
-
-def machine() -> list[Figure]:
-    """The limits: how fast memory is copied, and how fast 64-bit numbers are sorted."""
-    source = np.ones(64 * 2**20, np.uint8)
-    target = np.empty_like(source)
-    copies = repeated(lambda: np.copyto(target, source))
-    keys = np.random.default_rng(1).integers(0, 2**62, 100_000).astype(np.uint64)
-    sorts = repeated(lambda: np.sort(keys))
-    return [
-        Figure.of("limit: memory copy", [source.size / s / 1e9 for s in copies], "GB/s"),
-        Figure.of("limit: sort of 64-bit numbers", [s / keys.size * 1e9 for s in sorts], "ns/event"),
-    ]
 
 
 def speed(name: str, frames: Frames, fps: float, parameters: Parameters, law: Law = "exact") -> list[Figure]:
@@ -149,40 +114,6 @@ def cost_per_event(frames: Frames, parameters: Parameters) -> list[Figure]:
     few, less = timed(frames, 240, parameters.changed({"comparator": {"theta_on": 2, "theta_off": 2}}))
     costs = [(a - b) / (more - less) * 1e9 for a, b in zip(sorted(many), sorted(few), strict=True)]
     return [Figure.of("cost of an event, sorted and packed", costs, "ns")]
-
-
-def numpy_paper_law(frames: Frames) -> list[Figure]:
-    """The paper's Algorithm 1 for whole planes in plain numpy, one pass a frame, events not even sorted."""
-    rng = np.random.default_rng(1)
-    k = Parameters.of("paper")
-
-    def frame_pair(
-        first: NDArray[np.float64], last: NDArray[np.float64], residual: NDArray[np.float64]
-    ) -> None:
-        span = 1e6 / 240
-        level, k2 = 0.5 * (first + last), k.contrast_response.k2_dn
-        mu = k.contrast_response.k1 * (last - first) / span / (level + k2)
-        mu += k.junction_leak.k4_per_us + k.parasitic_photocurrent.k5_per_dn_us * level
-        sigma = k.photon_noise.k3 * np.sqrt(level) / (level + k2) + k.leak_noise.k6
-        distance = np.where(mu > 0, 1 - residual, 1 + residual)
-        mean, shape = distance / np.abs(mu), (distance / sigma) ** 2
-        tau = rng.wald(mean, shape)
-        fired = tau < span
-        residual[:] = np.where(fired, 0, residual + np.sign(mu) * distance * span / tau)
-
-    planes = frames.astype(np.float64)
-    residual = np.zeros_like(planes[0])
-
-    def all_frames() -> None:
-        for first, last in pairwise(planes):
-            frame_pair(first, last, residual)
-
-    seconds = repeated(all_frames)
-    pixels = frames[1:].size
-    name = "346x260 moving, paper law in plain numpy"
-    return [
-        Figure.of(name, [pixels / s / 1e6 for s in seconds], "Mpx/s", "one event a pixel and frame at most")
-    ]
 
 
 def upsampling(frames: Frames) -> list[Figure]:
@@ -239,15 +170,3 @@ def start() -> list[Figure]:
             seconds = repeated(lambda: subprocess.run(command, check=True, env=environment), repeats)  # noqa: B023
             figures.append(Figure.of(f"process start to first events, {name} compile cache", seconds, "s"))
     return figures
-
-
-def repeated(
-    action: Callable[[], object], repeats: int = REPEATS, clock: Callable[[], float] = time.perf_counter
-) -> list[float]:
-    """Seconds of each run, by wall time unless another clock is given."""
-    seconds = []
-    for _ in range(repeats):
-        begin = clock()
-        action()
-        seconds.append(clock() - begin)
-    return seconds

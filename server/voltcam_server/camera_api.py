@@ -18,11 +18,11 @@ from voltcam_simulator import Parameters, camera_names
 from voltcam_video import SourceRequest
 
 from .access import SourceRules, resolve_under
-from .bodies import body_of, camera_body, read_camera, read_model, read_object, refusal, refuses
 from .camera_settings import check_encoding
 from .cameras import CameraAnswer, Cameras, NoCameraError, RunningCamera
 from .problems import UsageError
 from .recorder import RecordingPlan, RecordingStatus
+from .request_body import body_of, camera_body, read_camera, read_model, read_object, refusal, refuses
 from .status import SourceStatus, State, Status
 
 POLICY_VIOLATION = 1008  # WebSocket close code
@@ -35,30 +35,52 @@ SUFFIX_PATTERN = rf"\S({'|'.join(map(re.escape, SUFFIXES))})$"
 class CameraListAnswer(BaseModel):
     """A camera of the daemon and how it is."""
 
+    model_config = ConfigDict(use_attribute_docstrings=True)
+
     name: str
+    """for ?camera=NAME"""
+
     width: int
+    """pixels"""
+
     height: int
+    """pixels"""
+
     zmq: str
+    """where its packets are"""
+
     state: State
+    """how it is"""
+
     reason: str
+    """why, in one line, where it is not running"""
 
 
 class ParametersAnswer(BaseModel):
-    """parameters_version: that of the packets made with these parameters."""
+    """Parameters, and which they are."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
 
     parameters: Parameters
+    """all of them"""
+
     parameters_version: int
+    """that of the packets made with them"""
 
 
 class RecordingRequest(BaseModel):
-    """path: below the daemon's folder for recordings; its suffix is the format. rotate_bytes, rotate_s: a
-    file that has so much is ended, and NAME-002, NAME-003 and so on go on."""
+    """What to record into."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(use_attribute_docstrings=True, extra="forbid")
 
     path: str = Field(min_length=1, max_length=4096, json_schema_extra={"pattern": SUFFIX_PATTERN})
+    """below the daemon's folder for recordings; its suffix is the format"""
+
     rotate_bytes: int | None = Field(default=None, ge=1_000_000)
+    """a file of so many bytes is ended, and NAME-002 and so on go on"""
+
     rotate_s: float | None = Field(default=None, ge=1)
+    """the same, of so many seconds"""
 
 
 def chosen_of(cameras: Cameras) -> Callable[..., Any]:
@@ -84,14 +106,17 @@ def camera_routes(cameras: Cameras, rules: SourceRules, recordings: Path, least_
 
     @api.get("/camera", responses=refuses(404))
     async def get_camera(camera: RunningCamera = chosen) -> CameraAnswer:
+        """The sensor, how it is simulated, and where its packets are."""
         return camera.answer
 
     @api.get("/parameters", responses=refuses(404))
     async def get_parameters(camera: RunningCamera = chosen) -> ParametersAnswer:
+        """All parameters that hold now, nested by effect, and their version."""
         return _answer(camera.emulator.simulation.parameters)
 
     @api.get("/parameters/schema")
     async def get_parameters_schema() -> dict[str, Any]:
+        """JSON schema of all parameters: unit, limits, default, meaning and source of each."""
         return Parameters.model_json_schema()
 
     @api.patch("/parameters", openapi_extra=body_of(Parameters), responses=refuses(400, 404, 413, 422))
@@ -127,6 +152,7 @@ def camera_routes(cameras: Cameras, rules: SourceRules, recordings: Path, least_
 
     @api.get("/source", responses=refuses(404))
     async def get_source(camera: RunningCamera = chosen) -> SourceStatus:
+        """What the camera looks at: what was asked for, and what came of it."""
         return camera.emulator.source
 
     @api.put("/source", openapi_extra=body_of(SourceRequest), responses=refuses(400, 404, 409, 413, 422))
@@ -157,6 +183,7 @@ def camera_routes(cameras: Cameras, rules: SourceRules, recordings: Path, least_
 
     @api.get("/status", responses=refuses(404))
     async def get_status(camera: RunningCamera = chosen) -> Status:
+        """How the camera is: state, load, rates, latency, losses, transports, recording."""
         return camera.emulator.status
 
     return api

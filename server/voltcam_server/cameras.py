@@ -5,7 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ConfigDict
 
 from voltcam_simulator import Camera, Law, Parameters
 from voltcam_video import Clock, SourceError
@@ -26,16 +26,33 @@ class NoCameraError(ValueError):
 
 
 class CameraAnswer(BaseModel):
-    """The sensor, how it is simulated, where its packets are. parameters: the camera's own, at the start."""
+    """The sensor, how it is simulated, and where its packets are."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
 
     name: str
+    """for ?camera=NAME"""
+
     width: int
+    """pixels"""
+
     height: int
+    """pixels"""
+
     law: Law
+    """when a pixel fires"""
+
     seed: int
+    """of its noise"""
+
     encoding: EncodingName
+    """of event packets, where none is asked for"""
+
     zmq: str
+    """where its packets are"""
+
     parameters: Parameters
+    """at the start"""
 
 
 @dataclass(frozen=True)
@@ -90,6 +107,7 @@ class RunningCamera:
         settings = plan.settings
         zeromq = ZeroMQTransport(settings.zmq, settings.encoding, around.keys)
         websockets = WebSocketTransport(around.page)
+        transports: list[Transport] = [zeromq, websockets]
         emulator = Emulator(
             plan.camera,
             settings.source,
@@ -98,13 +116,13 @@ class RunningCamera:
             upsample=settings.upsample,
             packets=settings.packets,
             overload=settings.overload,
-            transports=[zeromq, websockets],
+            transports=transports,
             clock=around.clock,
             on_status=lambda status: around.on_status(plan.name, status),
             on_failure=around.on_failure,
         )
         diagnosis = Diagnosis(emulator, zeromq.endpoint)
-        return cls(plan, emulator, diagnosis, websockets, zeromq.endpoint, [zeromq, websockets])
+        return cls(plan, emulator, diagnosis, websockets, zeromq.endpoint, transports)
 
     def start(self) -> None:
         """Open the source, and go. Raises UsageError; `stop` is due in any case."""

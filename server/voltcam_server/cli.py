@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, get_args
 
-from voltcam_client.cli import seconds
+from voltcam_client.cli_arguments import seconds
 from voltcam_client.formats import SUFFIXES
 from voltcam_simulator import Law, camera_names
 from voltcam_simulator.parameters import merged

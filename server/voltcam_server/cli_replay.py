@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from voltcam_client.cli import seconds
+from voltcam_client.cli_arguments import seconds
 from voltcam_client.formats import read
 from voltcam_simulator import Camera
 

@@ -49,7 +49,7 @@ def convert(job: Conversion) -> str:
     stop = threading.Event()
     try:
         with ended_by_signal(stop.set), _source(recording, job, stop) as source:
-            if job.seconds is None and (source.live or source.granted["kind"] == "scene"):
+            if job.seconds is None and source.endless:
                 raise UsageError(f"{job.source.shown} does not end by itself: give --seconds")
             return _simulate(source, job, stop)
     except SourceError as error:

@@ -4,26 +4,22 @@ Gathering and diagnosing are processes of their own at a lower priority, so that
 and what goes wrong there stays there.
 """
 
-import contextlib
 import json
 import os
-import shutil
 import signal
 import sys
-import tempfile
 import threading
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal, Self
-
-from pydantic import BaseModel, ConfigDict, Field, model_validator
-from pydantic.config import JsonDict, JsonValue
+from typing import Any, Literal
 
 from voltcam_client.formats import READABLE, FormatError
 from voltcam_simulator import Parameters
 
 from .camera_settings import load_camera
-from .child import Child
+from .child_process import ChildProcess
+from .diagnosis_folder import GATHERED, REPORT, START, DiagnosisFolders
+from .diagnosis_models import DiagnosisRequest, DiagnosisState
 from .emulator import Emulator
 from .gather import Figures
 from .problems import UsageError, one_line, where
@@ -39,62 +35,11 @@ END_S = 0.7  # for a process that is told to end
 # Diagnosing takes what nobody else wants, gathering a little more: what it is too late for is lost.
 NICE = {"gathering": 10, "running": 19}
 SENTENCES, SENTENCE = 1000, 500  # the most that is kept, and characters of each
-FOLDER, REPORT = "voltcam-diagnosis-", "report.html"
-START, GATHERED = "start.yaml", "gathered.npz"  # the camera that a diagnosis begins from; of a stream
 
 Changes = dict[str, Any]
 """Of parameters: nested by effect."""
 Step = tuple[Literal["gathering", "running"], list[str]]
 """A process, and the state while it runs."""
-
-
-def _only(name: str) -> JsonDict:
-    """In JSON schema: this one of the two, and not the other."""
-    other = {"reference": "stream", "stream": "reference"}[name]
-    return {"required": [name], "properties": {name: {"type": "string"}, other: {"type": "null"}}}
-
-
-ONE_OF_THEM: list[JsonValue] = [_only("reference"), _only("stream")]
-
-
-class DiagnosisRequest(BaseModel):
-    """reference: a recording on the daemon's host. stream: the ZeroMQ address of a camera that looks at the
-    same scene. seconds: of it to look at."""
-
-    model_config = ConfigDict(
-        extra="forbid", json_schema_extra={"oneOf": [_only("reference"), _only("stream")]}
-    )
-
-    reference: str | None = Field(default=None, min_length=1, max_length=4096)
-    stream: str | None = Field(
-        default=None, pattern=r"^(tcp|ipc)://\S+$", max_length=4096, examples=["tcp://127.0.0.1:5561"]
-    )
-    seconds: float = Field(default=10, gt=0, le=60)
-
-    @model_validator(mode="after")
-    def _one_of_them(self) -> Self:
-        if (self.reference is None) == (self.stream is None):
-            raise ValueError("give either reference, a recording's path, or stream, a camera's address")
-        return self
-
-
-class DiagnosisState(BaseModel):
-    """One diagnosis: what of, how far it is, what it found.
-
-    progress: sentences. figures: while gathering. error: in one line, when failed. result: result.json, when
-    done. folder: where its files are, on the daemon's host. acceptable, revertible: whether there is
-    something to accept or to revert.
-    """
-
-    state: Literal["idle", "gathering", "running", "done", "failed"] = "idle"
-    reference: str = ""
-    progress: list[str] = []
-    figures: Figures | None = None
-    error: str = ""
-    result: dict[str, Any] | None = None
-    folder: str = ""
-    acceptable: bool = False
-    revertible: bool = False
 
 
 class Diagnosis:
@@ -109,12 +54,12 @@ class Diagnosis:
     ) -> None:
         self.changes = 0  # counts changes of `state`
         self._emulator, self._zmq = emulator, zmq
-        self._command, self._work = command, work
+        self._command, self._folders = command, DiagnosisFolders(work)
         self._state = DiagnosisState()
         self._lock = threading.RLock()
         self._control = threading.Lock()  # one start or end at a time
         self._thread: threading.Thread | None = None
-        self._child: Child | None = None
+        self._child: ChildProcess | None = None
         self._ending = False
         self._began = emulator.simulation.parameters[0]  # with the parameters of then
         self._found: Parameters | None = None  # what there is to accept
@@ -141,9 +86,10 @@ class Diagnosis:
                 _check_recording(Path(request.reference))
             if self._thread:
                 self._thread.join()
-            self._tidy_up()
+            self._folders.tidy_up()
             self._began = self._emulator.simulation.parameters[0]
-            folder = self._make_folder()
+            camera = self._emulator.camera.model_copy(update={"parameters": self._began})
+            folder = self._folders.make(camera)
             steps = self._steps(request, folder)
             self._ending, self._found = False, None
             with self._lock:
@@ -170,7 +116,7 @@ class Diagnosis:
         """The daemon ends."""
         with self._control:
             self._end_child()
-            self._tidy_up()
+            self._folders.tidy_up()
 
     def accept(self) -> int:
         """Run with what was found, from the next frame on; returns the new parameters_version. What it left
@@ -203,32 +149,6 @@ class Diagnosis:
     def _running(self) -> bool:
         return self._state.state in ("gathering", "running")
 
-    def _tidy_up(self) -> None:
-        """Of folders of diagnoses that are over: all of those without a report, the large things of others.
-
-        Also those of daemons that are gone, which may have been killed.
-        """
-        root = self._work or Path(tempfile.gettempdir())
-        for folder in root.glob(f"{FOLDER}*"):
-            pid = folder.name.removeprefix(FOLDER).partition("-")[0]
-            if folder.name.startswith(self._prefix) or not Path("/proc", pid).exists():
-                _thin_out(folder)
-
-    @property
-    def _prefix(self) -> str:
-        """Of our folders: no other camera's, and no other daemon's."""
-        return f"{FOLDER}{os.getpid()}-{id(self):x}-"
-
-    def _make_folder(self) -> Path:
-        """A new one, with the camera as it is in it."""
-        camera = self._emulator.camera.model_copy(update={"parameters": self._began})
-        try:
-            folder = Path(tempfile.mkdtemp(prefix=self._prefix, dir=self._work))
-            (folder / START).write_text(camera.to_yaml())
-        except OSError as error:
-            raise UsageError(f"no folder for the diagnosis: {one_line(error)}: set TMPDIR") from None
-        return folder
-
     def _steps(self, request: DiagnosisRequest, folder: Path) -> list[Step]:
         seconds, gathered = f"{request.seconds:g}", folder / GATHERED
         recording = gathered if request.stream else Path(request.reference or "").absolute()
@@ -259,7 +179,7 @@ class Diagnosis:
         with self._lock:
             if self._ending:
                 raise UsageError("ended")
-            self._child = Child(command, nice, log)
+            self._child = ChildProcess(command, nice, log)
         self._child.follow(self._hear)
 
     def _hear(self, line: str) -> None:
@@ -281,18 +201,6 @@ class Diagnosis:
         with self._lock:
             self._state = self._state.model_copy(update=changes)
             self.changes += 1
-
-
-def _thin_out(folder: Path) -> None:
-    if not (folder / REPORT).exists():
-        shutil.rmtree(folder, ignore_errors=True)
-        return
-    with contextlib.suppress(OSError):  # it is not ours alone
-        for path in folder.iterdir():
-            if path.is_dir():
-                shutil.rmtree(path, ignore_errors=True)
-            elif path.name == GATHERED:
-                path.unlink()
 
 
 def _check_recording(path: Path) -> None:

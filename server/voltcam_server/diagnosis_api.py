@@ -4,22 +4,25 @@ import asyncio
 
 from fastapi import APIRouter, Depends, HTTPException, Request, WebSocket
 from fastapi.responses import FileResponse
-from pydantic import BaseModel
+from pydantic import BaseModel, ConfigDict
 from starlette.concurrency import run_in_threadpool
 
 from .access import SourceRules
-from .bodies import body_of, read_model, refuses
 from .camera_api import POLICY_VIOLATION, chosen_of
 from .cameras import Cameras, NoCameraError, RunningCamera
-from .diagnosis import DiagnosisRequest, DiagnosisState
+from .diagnosis_models import DiagnosisRequest, DiagnosisState
+from .request_body import body_of, read_model, refuses
 
 PUSH_PERIOD_S = 0.2
 
 
 class VersionAnswer(BaseModel):
-    """parameters_version: that of the packets made with the parameters that hold from now on."""
+    """Which parameters hold."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
 
     parameters_version: int
+    """that of the packets made from now on"""
 
 
 def diagnosis_routes(cameras: Cameras, rules: SourceRules) -> APIRouter:
@@ -29,6 +32,7 @@ def diagnosis_routes(cameras: Cameras, rules: SourceRules) -> APIRouter:
 
     @api.get("", responses=refuses(404))
     async def get_diagnosis(camera: RunningCamera = chosen) -> DiagnosisState:
+        """How far the diagnosis is, and its result when it is done."""
         return camera.diagnosis.state
 
     @api.post(

@@ -11,18 +11,17 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 
-from voltcam_client.packet import FrameMessage, Packet
 from voltcam_simulator import Camera, Law
 from voltcam_video import Clock, Granted, SourceError, SourceRequest
 
 from .camera_settings import PacketSettings, Upsample
 from .capture import Capture
-from .interval import Interval
 from .mailbox import Mailbox
-from .messages import Message, events_message, frame_message, status_message
+from .messages import status_message
 from .overload import OverloadSettings
-from .pacer import Pacer, Slice
+from .pacer import Pacer
 from .problems import UsageError
+from .publisher import Publisher
 from .recorder import Recorder, RecordingPlan, RecordingStatus
 from .simulation import Simulation
 from .stages import stage_histogram
@@ -63,7 +62,10 @@ class Emulator:
         self._transports = transports
         self._on_status, self._on_failure = on_status, on_failure
         self._mailbox = Mailbox(lambda: self.simulation.load.ratio < 1)
-        self._pacer = Pacer(packets or PacketSettings(), self._send_events, self._end_interval)
+        self.stages = stage_histogram()
+        self._publisher = Publisher(camera, transports, lambda: self._mailbox.dropped, self.stages)
+        publisher = self._publisher
+        self._pacer = Pacer(packets or PacketSettings(), publisher.send_events, publisher.end_interval)
         self._news = threading.Event()  # the status has changed
         self._clock = clock or Clock()
         self._capture = self._capture_of(source)
@@ -71,12 +73,8 @@ class Emulator:
         self._control = threading.Lock()  # one change of source or recording at a time; held briefly
         self._looking = threading.Lock()  # held while a source is opened
         self._recorder: Recorder | None = None
-        self._arrived, self._events, self._packets = Meter(), Meter(), Meter()
-        self.stages = stage_histogram()
+        self._arrived = Meter()
         self._stalls, self._recording_errors = 0, 0
-        self._frame_seq = 0
-        self._latency = Latency(simulated_ms=0, sent_ms=0, age_ms=0)
-        self._age_s = 0.0  # of the events that left last
         self._busy: tuple[float, float] | None = None  # arrival of the frame at hand, and begin of its work
         self._started_s = time.monotonic()
         self._stopping = False
@@ -199,7 +197,7 @@ class Emulator:
             if former:
                 former.close()
                 self._recording_errors += former.status.error is not None
-            self._recorder = Recorder(plan, self.simulation.origin)
+            self._recorder = Recorder(plan, self.simulation.setup)
             return self._recorder.status
 
     def end_recording(self) -> RecordingStatus:
@@ -232,7 +230,7 @@ class Emulator:
     def _latency_now(self) -> Latency:
         busy = self._busy
         waited_s = time.monotonic() - busy[0] if busy else 0.0
-        return self._latency.model_copy(update={"age_ms": round(1000 * max(self._age_s, waited_s), 3)})
+        return self._publisher.latency(waited_s)
 
     @property
     def status(self) -> Status:
@@ -252,8 +250,8 @@ class Emulator:
                 out_of_order=simulation.out_of_order,
                 unusable=simulation.unusable,
             ),
-            events=self._events.status,
-            packets=self._packets.status,
+            events=self._publisher.events.status,
+            packets=self._publisher.packets.status,
             latency=self._latency_now,
             parameters_version=simulation.parameters[1],
             uptime_s=round(time.monotonic() - self._started_s, 3),
@@ -284,62 +282,22 @@ class Emulator:
                     recorder.put(interval)
                 self._pacer.put(interval)
 
-    def _send_events(self, interval: Interval, piece: Slice) -> None:
-        packet = Packet(
-            events=piece.events,
-            width=self.camera.width,
-            height=self.camera.height,
-            seq=self._packets.total,
-            time_base_ns=1000 * piece.start_us,
-            stamp_ns=time.time_ns(),
-            frame_id=self.camera.name,
-            parameters_version=interval.parameters_version,
-            dropped=self._mailbox.dropped,
-        )
-        self._publish(events_message(packet))
-        self._age_s = time.monotonic() - interval.arrived_s + (interval.frame_us - piece.end_us) / 1e6
-        self._packets.total += 1
-        self._events.total += piece.events.size
-
-    def _end_interval(self, interval: Interval) -> None:
-        """All its events have left: now its frame, so that both arrive in the order of their times."""
-        frame = FrameMessage(
-            image=interval.image_u8,
-            seq=self._frame_seq,
-            t_us=interval.frame_us,
-            stamp_ns=time.time_ns(),
-            frame_id=self.camera.name,
-            parameters_version=interval.parameters_version,
-        )
-        self._publish(frame_message(frame))
-        self.stages.labels("leaving").observe(time.monotonic() - interval.ready_s)
-        self._frame_seq += 1
-        self._latency = Latency(
-            simulated_ms=round(1000 * (interval.ready_s - interval.arrived_s), 3),
-            sent_ms=round(1000 * (time.monotonic() - interval.arrived_s), 3),
-            age_ms=0,
-        )
-
     def _report(self) -> None:
         former: State = "starting"
         while not self._stopping:
             self._arrived.total = self._mailbox.received
-            for meter in (self._arrived, self._events, self._packets):
+            for meter in (self._arrived, self._publisher.events, self._publisher.packets):
                 meter.tick()
             status = self.status
             self._stalls += status.state == "stalled" != former
             former = status.state
             self._on_status(status)
-            self._publish(status_message(status.model_dump()))
+            self._publisher.publish(status_message(status.model_dump()))
             for transport in self._transports:
                 if transport.failure is not None:
                     raise transport.failure
             self._news.wait(STATUS_PERIOD_S)
             self._news.clear()
-
-    def _publish(self, message: Message) -> None:
-        for transport in self._transports:
-            transport.publish(message)
 
     def _guarded(self, run: Callable[[], None]) -> None:
         try:

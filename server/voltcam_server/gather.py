@@ -13,7 +13,7 @@ from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel
+from pydantic import BaseModel, ConfigDict
 
 from voltcam_client import EventCamera, FrameMessage, Packet, VoltcamError
 from voltcam_client.camera import Message, Stream
@@ -32,28 +32,51 @@ STRATA, PIXELS = 4, 256  # of the sample: levels of brightness, pixels of each
 
 
 class Rates(BaseModel):
-    """Events per second and pixel."""
+    """Events of a pixel."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
 
     on: float
+    """1/s"""
+
     off: float
+    """1/s"""
 
 
 class Stratum(BaseModel):
     """Pixels of one level of brightness, as they were in the first frame."""
 
+    model_config = ConfigDict(use_attribute_docstrings=True)
+
     from_dn: int
+    """grey level of the darkest"""
+
     to_dn: int
+    """grey level of the brightest"""
+
     here: Rates
+    """of this camera, over the last two seconds"""
+
     reference: Rates
+    """of the reference, over the last two seconds"""
 
 
 class Figures(BaseModel):
-    """What has come so far, and rates over the last two seconds: of this camera and of the reference."""
+    """What has come so far."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
 
     seconds: float
+    """of both, s"""
+
     frames: int
+    """of this camera"""
+
     events: int
+    """of the reference"""
+
     strata: list[Stratum]
+    """from dark to bright"""
 
 
 class Sample:

@@ -48,7 +48,7 @@ class Interval:
 @dataclass(frozen=True, slots=True, eq=False)
 class Start:
     """The sensor before the first interval of a recording. state: empty for a new one. follows: the first
-    frame goes on from the one in `state`."""
+    frame goes on from the one in `state`. source: as it may be shown."""
 
     state: dict[str, NDArray[Any]]
     follows: bool
@@ -58,8 +58,8 @@ class Start:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Origin:
-    """What is the same for all of a recording; source: as it may be shown."""
+class SimulationSetup:
+    """What all intervals of a recording are made with: camera, law, seed and frames between frames."""
 
     camera: Camera
     law: Law

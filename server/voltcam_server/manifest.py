@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from voltcam_client.formats.writer import AppendFile
 
-from .interval import Interval, Origin, Start
+from .interval import Interval, SimulationSetup, Start
 from .problems import UsageError, one_line
 
 FORMAT = 1
@@ -46,7 +46,7 @@ def software() -> dict[str, str]:
 class ManifestWriter:
     """Made when the recording is; replaces what is left of one that is gone. Raises OSError."""
 
-    def __init__(self, recording: Path, origin: Origin, start: Start) -> None:
+    def __init__(self, recording: Path, setup: SimulationSetup, start: Start) -> None:
         manifest, state, frames = paths_of(recording)
         self._manifest = AppendFile(manifest, overwrite=True)
         with state.open("wb") as file:
@@ -60,12 +60,12 @@ class ManifestWriter:
             manifest=FORMAT,
             began=time.strftime("%Y-%m-%dT%H:%M:%S%z"),
             software=software(),
-            camera=origin.camera.name,
-            width=origin.camera.width,
-            height=origin.camera.height,
-            law=origin.law,
-            seed=origin.seed,
-            upsample=origin.upsample,
+            camera=setup.camera.name,
+            width=setup.camera.width,
+            height=setup.camera.height,
+            law=setup.law,
+            seed=setup.seed,
+            upsample=setup.upsample,
             source=start.source,
             follows=start.follows,
             parameters_version=start.parameters_version,

@@ -5,7 +5,7 @@ from typing import Any
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
-from .bodies import PART
+from .request_body import PART
 
 
 def describe(app: FastAPI) -> None:

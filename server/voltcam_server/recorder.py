@@ -6,13 +6,13 @@ from collections import deque
 from dataclasses import dataclass
 from pathlib import Path
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ConfigDict
 
 from voltcam_client.formats import RecordingError, check_writable
 
-from .interval import Interval, Origin, Start
-from .part import Part
+from .interval import Interval, SimulationSetup, Start
 from .problems import one_line
+from .recording_file import RecordingFile
 from .simulation import Simulation
 
 QUEUE_BYTES = 256 * 2**20
@@ -34,16 +34,30 @@ class RecordingPlan:
 
 
 class RecordingStatus(BaseModel):
-    """Of all its files. path: of the newest. error: why it ended before it was told to; what was written
-    until then is kept. lost_intervals: that came while the disk was too slow; each file is without gaps."""
+    """A recording, with all its files."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
 
     path: str
+    """of the newest file"""
+
     recording: bool
+    """whether it runs"""
+
     files: int
+    """so far"""
+
     events: int
+    """written, in all files"""
+
     frames: int
+    """written, in all files"""
+
     lost_intervals: int
+    """that came while the disk was too slow; each file is without gaps"""
+
     error: str | None
+    """why it ended before it was told to; what was written until then is kept"""
 
 
 class Recorder:
@@ -54,11 +68,11 @@ class Recorder:
     first file cannot be made.
     """
 
-    def __init__(self, plan: RecordingPlan, origin: Origin) -> None:
+    def __init__(self, plan: RecordingPlan, setup: SimulationSetup) -> None:
         check_writable(plan.path, overwrite=False)
-        self._plan, self._origin = plan, origin
-        self._part = Part(plan.path, origin)
-        self._ended: list[Part] = []
+        self._plan, self._setup = plan, setup
+        self._file = RecordingFile(plan.path, setup)
+        self._ended: list[RecordingFile] = []
         self._queue: deque[tuple[Start | None, Interval]] = deque()
         self._bytes, self._lost = 0, 0
         self._start: Start | None = None
@@ -114,13 +128,13 @@ class Recorder:
 
     @property
     def status(self) -> RecordingStatus:
-        parts = [*self._ended, self._part]
+        files = [*self._ended, self._file]
         return RecordingStatus(
-            path=str(self._part.path),
+            path=str(self._file.path),
             recording=self._error is None and self._thread.is_alive(),
-            files=len(parts),
-            events=sum(part.events for part in parts),
-            frames=sum(part.frames for part in parts),
+            files=len(files),
+            events=sum(file.events for file in files),
+            frames=sum(file.frames for file in files),
             lost_intervals=self._lost,
             error=self._error,
         )
@@ -132,10 +146,10 @@ class Recorder:
             except (OSError, ValueError) as error:
                 self._error = one_line(error)
         why = self._error or "it was ended"
-        for part in [*self._ended, self._part]:
+        for file in [*self._ended, self._file]:
             try:
-                part.end(why)
-                part.wait()
+                file.end(why)
+                file.wait()
             except (OSError, RecordingError) as error:
                 self._error = self._error or one_line(error)
 
@@ -151,27 +165,27 @@ class Recorder:
 
     def _write(self, start: Start | None, interval: Interval) -> None:
         """Raises RecordingError, ValueError or OSError."""
-        if start is not None and self._part.begun:
-            self._part.end("the next file goes on")
-            self._ended.append(self._part)
-            self._part = Part(self._path_of(len(self._ended) + 1), self._origin)
-        self._part.write(start, interval)
-        if self._is_full(self._part):
+        if start is not None and self._file.begun:
+            self._file.end("the next file goes on")
+            self._ended.append(self._file)
+            self._file = RecordingFile(self._path_of(len(self._ended) + 1), self._setup)
+        self._file.write(start, interval)
+        if self._is_full(self._file):
             self._full = True
         if time.monotonic() - self._looked_s > DISK_S:
             self._looked_s = time.monotonic()
-            free_bytes = self._part.free_bytes
+            free_bytes = self._file.free_bytes
             if free_bytes < self._plan.least_free_bytes:
                 least = self._plan.least_free_bytes / 1e6
                 raise RecordingError(
-                    f"{self._part.path}: ended with {max(0, free_bytes) / 1e6:.0f} MB left on the disk: "
+                    f"{self._file.path}: ended with {max(0, free_bytes) / 1e6:.0f} MB left on the disk: "
                     f"least_free_bytes keeps {least:.0f} MB"
                 )
 
-    def _is_full(self, part: Part) -> bool:
+    def _is_full(self, file: RecordingFile) -> bool:
         plan = self._plan
-        large = plan.rotate_bytes is not None and part.size_bytes >= plan.rotate_bytes
-        return large or (plan.rotate_s is not None and part.span_s >= plan.rotate_s)
+        large = plan.rotate_bytes is not None and file.size_bytes >= plan.rotate_bytes
+        return large or (plan.rotate_s is not None and file.span_s >= plan.rotate_s)
 
     def _path_of(self, number: int) -> Path:
         path = self._plan.path

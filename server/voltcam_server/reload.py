@@ -4,7 +4,7 @@ import threading
 from collections.abc import Callable
 from dataclasses import replace
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ConfigDict
 
 from voltcam_video import SourceError
 
@@ -17,17 +17,30 @@ LIVE = {"source", "parameters", "camera"}  # what changes without an end of the 
 
 
 class ReloadAnswer(BaseModel):
-    """Names of cameras by what became of them: kept as they were, changed while they run, started again,
-    added, removed; failed, with the reason, are those that do not run or not as the settings have it.
-    needs_restart: settings of the daemon that hold from its next start on."""
+    """Names of cameras, by what became of them."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
 
     kept: list[str] = []
+    """as they were"""
+
     changed: list[str] = []
+    """while they run"""
+
     restarted: list[str] = []
+    """anew, with other settings"""
+
     added: list[str] = []
+    """new ones"""
+
     removed: list[str] = []
+    """no longer there"""
+
     failed: dict[str, str] = {}
+    """with the reason: they do not run, or not as the settings have it"""
+
     needs_restart: list[str] = []
+    """settings of the daemon that hold from its next start on"""
 
     @property
     def words(self) -> str:

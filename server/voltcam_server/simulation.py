@@ -1,9 +1,7 @@
 """From frames to intervals of events: the simulator, its parameters as they change, and one time line."""
 
-import threading
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -19,26 +17,20 @@ from voltcam_simulator import (
     Simulator,
     TooManyEventsError,
 )
-from voltcam_simulator.effect import Effect
-from voltcam_simulator.pixel_array import Pattern
 from voltcam_video import Frame, Image, along_cubic, along_flow, fit, follows
 
 from .camera_settings import Upsample
-from .interval import How, Interval, Origin, Start
+from .compiling import CompiledEffects
+from .interval import How, Interval, SimulationSetup, Start
 from .mailbox import Arrival
 from .overload import Load, OverloadSettings, coarser
+from .parameter_changes import ParameterChanges
 from .problems import one_line
 
 MISSED_AT_LEAST = 2  # dropped frames, of which what was between is skipped
 MOST_PERIODS = 2  # of frames, that simulating it may take: on a machine that was late for once it is not
 PATIENCE_FRAMES = 10  # so many stamps in a row that do not advance mean that the source's clock was set back
 FIRST_PERIOD_US = 33_333
-PREPARED_US, PREPARED_EVENTS = (10_000, 10, 1), 10_000
-
-
-def _kind(effect: Effect) -> tuple[str, ...]:
-    """What decides which kernels an effect needs: its name and those of its ways."""
-    return effect.name, *(value for value in effect.model_dump().values() if isinstance(value, str))
 
 
 class Simulation:
@@ -70,18 +62,14 @@ class Simulation:
         self.out_of_order = 0
         self.unusable = 0
         self.fault = ""  # why the last unusable frame was one
-        self._prepared: set[tuple[str, ...]] = set()  # what has been compiled
+        self._compiled = CompiledEffects(law)
         self.prepare(camera.parameters)
         self._simulator = Simulator(camera.width, camera.height, camera.parameters, law, seed)
+        self._changes = ParameterChanges(self._simulator)
         self._upsample: Upsample = upsample
         self._next: Arrival | None = None  # with "cubic": what comes after the frame at hand
         self._before: Frame | None = None  # the last two frames, as simulated
         self._former: Frame | None = None
-        self._lock = threading.Lock()
-        self._wanted = (camera.parameters, 0)
-        self._laying = threading.Lock()
-        self._laid: tuple[Pattern | None, int] = (None, 0)  # newest pattern and its version
-        self._version = 0
         self._last_us: int | None = None
         self._shift_us = 0
         self._period_us = FIRST_PERIOD_US
@@ -90,41 +78,18 @@ class Simulation:
     @property
     def parameters(self) -> tuple[Parameters, int]:
         """The newest parameters and their version; they hold from the next interval on."""
-        with self._lock:
-            return self._wanted
+        return self._changes.newest
 
     def change(self, changes: Mapping[str, Any]) -> tuple[Parameters, int]:
         """Change parameters, all at once, from the next interval on; returns them and their version.
 
         Raises pydantic.ValidationError, with nothing changed.
         """
-        with self._lock:
-            parameters, version = self._wanted
-            mine = self._wanted = parameters.changed(changes), version + 1
-        self._lay_down(mine[1])
-        return mine
-
-    def _lay_down(self, version: int) -> None:
-        """Have the sensor's pattern made for this version or a newer one: a moving slider has few made."""
-        with self._laying:
-            if self._laid[1] < version:
-                parameters, newest = self.parameters
-                self._laid = self._simulator.laid_down(parameters), newest
+        return self._changes.change(changes)
 
     def prepare(self, parameters: Parameters) -> None:
         """Have compiled what these parameters need, so that no frame need wait seconds for it."""
-        kinds = {_kind(effect) for effect in parameters.effects() if effect.active}
-        if kinds <= self._prepared:
-            return
-        self._prepared |= kinds
-        for span_us in PREPARED_US:
-            small = Simulator(2, 2, parameters, self._law)
-            small.advance(np.zeros((2, 2), np.uint8), 0)
-            steps = span_us / parameters.longest_step_us
-            with suppress(GivenUpError):
-                limits = Limits(max(1.0, steps / 4), PREPARED_EVENTS)
-                small.advance(np.full((2, 2), 255, np.uint8), span_us, limits)
-                return
+        self._compiled.prepare(parameters)
 
     def step(self, arrival: Arrival) -> Interval | None:
         """The interval that this frame ends; None for a frame that cannot be used, which is counted."""
@@ -134,18 +99,18 @@ class Simulation:
         return None if current is None else self._step(current)
 
     @property
-    def origin(self) -> Origin:
-        """What it makes all its intervals with."""
-        return Origin(self.camera, self._law, self._simulator.seed, self._upsample)
+    def setup(self) -> SimulationSetup:
+        """What all its intervals are made with."""
+        return SimulationSetup(self.camera, self._law, self._simulator.seed, self._upsample)
 
     def start_of(self, source: str) -> Start:
         """The sensor before the next interval. For the thread that calls `step`."""
-        self._take_parameters()
+        self._changes.take()
         return Start(
             {} if self._last_us is None else self._simulator.snapshot(),
             follows=self._former is not None,
             parameters=self._simulator.parameters,
-            parameters_version=self._version,
+            parameters_version=self._changes.version,
             source=source,
         )
 
@@ -160,7 +125,7 @@ class Simulation:
                 return None
             cut = True
         image = fit(arrival.frame.image, self.camera.width, self.camera.height, arrival.fit)
-        self._take_parameters()
+        self._changes.take()
         try:
             if arrival.frame.events is not None:
                 return self._replay(image, arrival.frame.events, t_us, cut, arrival)
@@ -294,16 +259,10 @@ class Simulation:
             frame.t_us,
             frame.image,
             self._simulator.parameters,
-            self._version,
+            self._changes.version,
             how,
             coarser,
             arrival.at_s,
             time.monotonic(),
             arrival.paced,
         )
-
-    def _take_parameters(self) -> None:
-        pattern, version = self._laid
-        if pattern is not None and version != self._version:
-            self._simulator.take(pattern)
-            self._version = version

@@ -1,6 +1,7 @@
 """What a user asks of a source: the config file's section and the body of `PUT /source`."""
 
 import re
+from pathlib import Path
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -71,6 +72,12 @@ class SourceRequest(BaseModel):
         if self.uri.isdecimal():
             return f"/dev/video{self.uri}"
         return self.uri if self.uri.startswith("/dev/") else None
+
+    @property
+    def path(self) -> Path | None:
+        """The file or folder, of a recording."""
+        apart = self.uri == "scene" or self.device is not None or "://" in self.uri
+        return None if apart else Path(self.uri)
 
     @property
     def shown(self) -> str:

@@ -7,11 +7,12 @@ Pure: arrays in, arrays out; no network, no files but camera files, no clock, no
     events = simulator.advance(frame, t_us)
 """
 
-from .cameras import Camera, camera_names
+from .camera import Camera
+from .camera_file import camera_names
 from .effect import EVENT
+from .law import Law
 from .limits import GivenUpError, Limits, TooLongError, TooManyEventsError
 from .parameters import Parameters
-from .pixel_array import Law
 from .simulator import Simulator
 
 __all__ = [

@@ -1,89 +1,100 @@
-"""The pixels near a barrier over one step: their paths drawn in blocks."""
+"""The pixels near a threshold over one step: their paths drawn in blocks."""
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from .crossing_rounds import draw_crossings
 from .event_key import event_address
 from .first_passage import stays_inside
+from .groups import Kicks, Motion, Pixels, Reset, Step
 from .kernel import kernel
-from .path import DEEPEST, walk
 from .random import normals, sequences
-from .turns import draw_crossings
+from .single_path import DEEPEST, Pixel, follow_kicked
 
 BLOCK = 2048
 """Pixels that are drawn together: their numbers stay in the second cache."""
 
 
+class Paths(NamedTuple):
+    """The paths of a block of pixels over a step; (BLOCK,) float64, of which the first m are in use."""
+
+    pixels: Any
+    """(m,) int32: which pixels of the band."""
+    states: Any
+    """uint64: their sequences of random numbers."""
+    start: Any
+    """Voltage at the start of the path."""
+    end: Any
+    """Voltage at the end of the step, first without resets, in the end with them."""
+    above: Any
+    """The ON threshold."""
+    below: Any
+    """The OFF threshold, as a distance from 0."""
+    noise2: Any
+    """sigma^2 [1/us]."""
+    wait_us: Any
+    """What of the step a pixel spends in its dead time; its path starts then."""
+    free_us: Any
+    """When the dead time ends, from the start of the step: that before it, in the end that of its events."""
+
+
 @kernel
 def cross(
-    voltage: Any, pending: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any, held: Any,
-    slack: Any, careful: Any, near: Any, first: Any, count: Any, key: Any, pixel0: Any, width: Any,
-    period: Any, reset_sigma: Any, kick_times: Any, kick_sizes: Any, offset: Any, keys: Any,
+    voltage: Any, pending: Any, held: Any, above: Any, below: Any, drift: Any, noise: Any,
+    key: Any, span_us: Any, offset_us: Any, first_pixel: Any, width: Any, dead_us: Any, sigma: Any,
+    kick_times_us: Any, kick_sizes: Any, slack: Any, careful: Any, near: Any, first: Any, count: Any,
+    keys: Any,
 ) -> Any:  # fmt: skip
     """Draw the paths of the pixels near[first:count] and pack their events into keys.
 
-    key: `interval_key` of the step; pixel0: number of the band's first pixel; period [us]: dead time after an
-    event; reset_sigma: spread of the voltage after a reset. kick_times [us] and kick_sizes, (kicks, rows),
-    each row in order of time: sudden changes of voltage, which drift includes; slack (pixels,): more than 0
-    where there are some; careful: False when no pixel is held or kicked. offset [us]: start of the step in
-    its interval.
+    Called as cross(*pixels, *motion, *step, *reset, *kicks, careful, near, first, count, keys), see `groups`.
+    careful: False when no pixel is held or kicked.
     Returns (pixels done, events written). Stops before a block of pixels whose events do not fit into keys
     (capacity,) uint64; call again with more room, the same numbers are drawn.
 
-    Pixels go in blocks: what all of them need, and the usual crossings of one barrier, are loops that the
+    Pixels go in blocks: what all of them need, and the usual crossings of one threshold, are loops that the
     compiler vectorises (`draw_ends`, `find_touching`, `next_crossings`); the rest is followed one by one.
     """
-    written = 0
+    pixels, motion = Pixels(voltage, pending, held, above, below), Motion(drift, noise)
+    step, reset = Step(key, span_us, offset_us, first_pixel, width), Reset(dead_us, sigma)
+    kicks, written = Kicks(kick_times_us, kick_sizes, slack), 0
     states, touching = np.empty(BLOCK, np.uint64), np.empty(BLOCK + 1, np.int32)
-    start, end, a, b, noise2 = (
-        np.empty(BLOCK),
-        np.empty(BLOCK),
-        np.empty(BLOCK),
-        np.empty(BLOCK),
-        np.empty(BLOCK),
-    )
-    wait, free, scratch = np.zeros(BLOCK), np.zeros(BLOCK), np.empty((12, BLOCK))
+    start, end, a, b = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK)
+    noise2, wait, free, scratch = np.empty(BLOCK), np.zeros(BLOCK), np.zeros(BLOCK), np.empty((12, BLOCK))
     cuts = np.empty((2, DEEPEST + 1))
     for begin in range(first, count, BLOCK):
-        pixels = near[begin : min(begin + BLOCK, count)]
-        n, done = pixels.shape[0], written
-        sequences(key, pixel0, pixels, states)
-        normals(states[:n], start[:n], end[:n])
+        block = near[begin : min(begin + BLOCK, count)]
+        paths = Paths(block, states, start, end, a, b, noise2, wait, free)
+        done = written
+        sequences(key, first_pixel, block, states)
+        normals(states[: block.shape[0]], start[: block.shape[0]], end[: block.shape[0]])
         if careful:
-            find_waits(held, span, pixels, wait, free, end)
-        draw_ends(voltage, pending, drift, noise, span, above, below, pixels, wait, start, end, a, b, noise2)
-        touches = find_touching(start[:n], end, a, b, noise2, wait, span, touching)
+            find_waits(held, paths, span_us)
+        draw_ends(pixels, motion, paths, span_us)
+        touches = find_touching(paths, span_us, touching)
         if len(kick_sizes) > 0:
-            touches = leave_out_kicked(touches, slack, pixels, touching)
-            done = walk_kicked(
-                slack, pixels, states, start, end, drift, span, a, b, noise2, free, period, reset_sigma,
-                kick_times, kick_sizes, pixel0, width, offset, cuts, keys, done,
-            )  # fmt: skip
+            touches = leave_out_kicked(touches, slack, block, touching)
+            done = follow_all_kicked(paths, drift, step, reset, kicks, cuts, keys, done)
         if done >= 0:
-            done = draw_crossings(
-                touching[:touches], pixels, states, start, end, a, b, noise2, wait, free, span, period,
-                reset_sigma, pixel0, width, offset, scratch, cuts, keys, done,
-            )  # fmt: skip
+            done = draw_crossings(touching[:touches], paths, step, reset, scratch, cuts, keys, done)
         if done < 0:
             return begin, written
-        for k in range(n):
-            voltage[pixels[k]] = end[k]
-            pending[pixels[k]] = 0.0
+        for k in range(block.shape[0]):
+            voltage[block[k]] = end[k]
+            pending[block[k]] = 0.0
         if careful:
-            for k in range(n):
-                held[pixels[k]] = max(free[k] - span, 0.0)
+            for k in range(block.shape[0]):
+                held[block[k]] = max(free[k] - span_us, 0.0)
         written = done
     return count, written
 
 
 @kernel
-def find_waits(held: Any, span: Any, pixels: Any, wait: Any, free: Any, end: Any) -> None:
-    """What of the step each pixel spends in its dead time; end, a normal number, is less by that.
-
-    free: when the dead time ends.
-    """
+def find_waits(held: Any, paths: Any, span: Any) -> None:
+    """Fill the paths' wait_us and free_us; their end, a normal number, is less by the wait."""
+    pixels, wait, free, end = paths.pixels, paths.wait_us, paths.free_us, paths.end
     for k in range(pixels.shape[0]):
         free[k] = held[pixels[k]]
         wait[k] = min(free[k], span)
@@ -91,20 +102,16 @@ def find_waits(held: Any, span: Any, pixels: Any, wait: Any, free: Any, end: Any
 
 
 @kernel
-def draw_ends(
-    voltage: Any, pending: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any, pixels: Any,
-    wait: Any, start: Any, end: Any, a: Any, b: Any, noise2: Any,
-) -> None:  # fmt: skip
-    """start, end: standard normal numbers to the voltages at the two ends of each path, before resets.
-
-    A path starts after wait. a, b, noise2: filled with the distances of the barriers from 0 and sigma^2. All
-    (n,) float64.
-    """
+def draw_ends(pixels: Any, motion: Any, paths: Any, span: Any) -> None:
+    """The paths' start and end from standard normal numbers to voltages; above, below, noise2 are filled."""
+    voltage, pending, thresholds = pixels.voltage, pixels.pending, (pixels.above, pixels.below)
+    drift, noise, block, wait = motion.drift, motion.noise, paths.pixels, paths.wait_us
+    start, end, a, b, noise2 = paths.start, paths.end, paths.above, paths.below, paths.noise2
     root, per_span = math.sqrt(span), 1.0 / span
-    for k in range(pixels.shape[0]):
-        i = pixels[k]
+    for k in range(block.shape[0]):
+        i = block[k]
         sigma = np.float64(noise[i])
-        a[k], b[k], noise2[k] = above[i], below[i], sigma * sigma
+        a[k], b[k], noise2[k] = thresholds[0][i], thresholds[1][i], sigma * sigma
         x = np.float64(voltage[i]) + math.sqrt(np.float64(pending[i])) * start[k]
         x = min(max(x, -b[k]), a[k])  # beyond by rounding, by a kick, or where a threshold was lowered
         start[k] = x
@@ -112,15 +119,15 @@ def draw_ends(
 
 
 @kernel
-def find_touching(
-    start: Any, end: Any, a: Any, b: Any, noise2: Any, wait: Any, span: Any, touching: Any
-) -> Any:  # fmt: skip
-    """Fill touching with the places of the paths that may touch a barrier; returns their number."""
-    inside = np.empty(start.shape[0], np.bool_)
-    for k in range(start.shape[0]):
+def find_touching(paths: Any, span: Any, touching: Any) -> Any:
+    """Fill touching with the places of the paths that may touch a threshold; returns their number."""
+    start, end, a, b = paths.start, paths.end, paths.above, paths.below
+    noise2, wait, paths_here = paths.noise2, paths.wait_us, paths.pixels.shape[0]
+    inside = np.empty(paths_here, np.bool_)
+    for k in range(paths_here):
         inside[k] = stays_inside(start[k], end[k], a[k], b[k], noise2[k] * (span - wait[k]))
     count = 0
-    for k in range(start.shape[0]):
+    for k in range(paths_here):
         touching[count] = k
         count += not inside[k]
     return count
@@ -137,18 +144,18 @@ def leave_out_kicked(count: Any, slack: Any, pixels: Any, touching: Any) -> Any:
 
 
 @kernel
-def walk_kicked(
-    slack: Any, pixels: Any, states: Any, start: Any, end: Any, drift: Any, span: Any, a: Any, b: Any,
-    noise2: Any, free: Any, period: Any, reset_sigma: Any, kick_times: Any, kick_sizes: Any, pixel0: Any,
-    width: Any, offset: Any, cuts: Any, keys: Any, written: Any,
-) -> Any:  # fmt: skip
-    """The paths and events of a block's pixels with kicks, to end and free. Returns `written`, as `walk`."""
-    for k in range(pixels.shape[0]):
-        i = pixels[k]
-        if slack[i] > 0.0 and written >= 0:
-            row, address = i // width, event_address(pixel0 + i, width, 1.0 / width)
-            written, end[k], free[k] = walk(
-                states[k], start[k], np.float64(drift[i]), free[k], span, noise2[k], a[k], b[k], period,
-                reset_sigma, kick_times[:, row], kick_sizes[:, row], address, offset, cuts, keys, written,
+def follow_all_kicked(
+    paths: Any, drift: Any, step: Any, reset: Any, kicks: Any, cuts: Any, keys: Any, written: Any
+) -> Any:
+    """Follow a block's pixels with kicks, to the paths' end and free_us. Returns `written`, as `follow`."""
+    end, free = paths.end, paths.free_us
+    for k in range(paths.pixels.shape[0]):
+        i = paths.pixels[k]
+        if kicks.slack[i] > 0.0 and written >= 0:
+            row, address = i // step.width, event_address(step.first_pixel + i, step.width, 1.0 / step.width)
+            pixel = Pixel(paths.noise2[k], paths.above[k], paths.below[k], address, step.offset_us)
+            written, end[k], free[k] = follow_kicked(
+                paths.states[k], paths.start[k], np.float64(drift[i]), free[k], step.span_us, pixel, reset,
+                kicks.times_us[:, row], kicks.sizes[:, row], cuts, keys, written,
             )  # fmt: skip
     return written

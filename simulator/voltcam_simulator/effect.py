@@ -28,6 +28,7 @@ EVENT = np.dtype([("t", "<i8"), ("x", "<u2"), ("y", "<u2"), ("p", "?")])
 
 
 Plane = NDArray[np.float32]
+Image = NDArray[np.uint8] | Plane
 Events = NDArray[np.void]
 State = dict[str, NDArray[Any]]
 About = Literal["light", "pixel", "noise", "readout"]

@@ -26,9 +26,9 @@ def _never() -> bool:
 class Limits:
     """Of the work on one interval.
 
-    coarser: how many times longer than effects ask steps may be, where time is too short for all of them.
-    most_events: that may be there at any stage from the pixels to the user.
-    late: asked now and then from several threads; True gives the interval up.
+    - `coarser`: how many times longer than effects ask steps may be, where time is too short for all of them.
+    - `most_events`: that may be there at any stage from the pixels to the user.
+    - `late`: asked now and then from several threads; True gives the interval up.
     """
 
     coarser: float = 1.0

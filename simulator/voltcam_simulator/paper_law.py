@@ -36,17 +36,20 @@ def on_probability(mu: Any, sigma2: Any, up: Any, down: Any) -> Any:
 
 @kernel
 def cross_by_paper(
-    residual: Any, drift: Any, noise: Any, span: Any, above: Any, below: Any,
-    first: Any, key: Any, pixel0: Any, width: Any, offset: Any, keys: Any,
+    voltage: Any, pending: Any, held: Any, above: Any, below: Any, drift: Any, noise: Any,
+    key: Any, span_us: Any, offset_us: Any, first_pixel: Any, width: Any, first: Any, keys: Any,
 ) -> Any:  # fmt: skip
-    """All pixels from `first` on, over one interval; arrays and return value as in `first_passage.cross`."""
+    """All pixels from `first` on, over one interval; returns the same as `crossings.cross`.
+
+    Called as cross_by_paper(*pixels, *motion, *step, first, keys), see `groups`.
+    """
     written = 0
-    for i in range(first, residual.shape[0]):
-        state = sequence(key, pixel0 + i)
-        mu, sigma2 = drift[i] / span, np.float64(noise[i]) ** 2
-        v: Any = np.float64(residual[i])
+    for i in range(first, voltage.shape[0]):
+        state = sequence(key, first_pixel + i)
+        mu, sigma2 = drift[i] / span_us, np.float64(noise[i]) ** 2
+        v: Any = np.float64(voltage[i])
         now, events = 0.0, written
-        address = event_address(pixel0 + i, width, 1.0 / width)
+        address = event_address(first_pixel + i, width, 1.0 / width)
         while True:
             up, down = max(above[i] - v, 0.0), max(below[i] + v, 0.0)
             state, u = uniform(state)
@@ -59,15 +62,15 @@ def cross_by_paper(
                 tau = distance / abs(mu)
             if tau == np.inf:  # nothing moves it, or a dead pixel
                 break
-            if now + tau >= span:
-                v += (distance if on else -distance) * (span - now) / tau
+            if now + tau >= span_us:
+                v += (distance if on else -distance) * (span_us - now) / tau
                 break
             if events == keys.shape[0]:
                 return i, written
             now += tau
-            keys[events] = event_key(offset + now, address, 1 if on else -1)
+            keys[events] = event_key(offset_us + now, address, 1 if on else -1)
             events += 1
             v = 0.0
         written = events
-        residual[i] = v
-    return residual.shape[0], written
+        voltage[i] = v
+    return voltage.shape[0], written

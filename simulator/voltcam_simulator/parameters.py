@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field, create_model, field_validator
 
+from .camera_file import SensorSize, divided, read
 from .effect import Effect, no_truth, quantity
 from .effects import EFFECTS
 
@@ -22,11 +23,15 @@ class ParameterSet(BaseModel):
     )
 
     @classmethod
-    def of(cls, camera: str) -> "Parameters":
-        """The parameters of a named camera ("davis346") or of a camera file (path to YAML)."""
-        from .cameras import Camera
+    def of(cls, camera: str) -> Self:
+        """The parameters of a named camera ("davis346") or of a camera file (path to YAML).
 
-        return Camera.load(camera).parameters
+        Raises the same as `Camera.load`.
+        """
+        size, content = divided(read(camera))
+        parameters = cls.model_validate(content)
+        SensorSize(**size)
+        return parameters
 
     def effects(self) -> Iterator[Effect]:
         """The effects with these parameters, in registry order."""

@@ -2,31 +2,37 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .cameras import SIDE_LIMIT
-from .effect import EVENT, Events, Readout, overrides
+from .camera_file import SIDE_LIMIT
+from .effect import EVENT, Events, Image
 from .event_key import TIME_BITS, unpack
-from .event_order import copied, merged
+from .event_stages import EventStages
+from .fixed_pattern import FixedPattern
 from .kernel import kernel
+from .law import Law
 from .limits import GivenUpError, Limits
 from .parameters import Parameters
-from .pixel_array import Law, Pattern, PixelArray
-from .rows import Image
+from .pixel_array import PixelArray
 
 NO_LIMITS = Limits()
 LONGEST_INTERVAL_US = 2**TIME_BITS - 1
 
 
 class Simulator:
-    """A sensor of width x height pixels, by `law` "exact" (Brownian motion itself) or "paper".
+    """A sensor that takes frames and gives events (DVS-Voltmeter: Lin, Ma, Guo and Wen, ECCV 2022).
 
-    The same seed gives the same events, for any number of threads. `parameters` may be assigned between two
-    frames and hold for all that follows; voltages are kept.
+    - `width`, `height`: pixels, 1 to 8192.
+    - `parameters`: of all effects; None: the defaults. They may be assigned between two frames, and hold for
+      all that follows; voltages are kept.
+    - `law`: "exact", Brownian motion itself, or "paper", Algorithm 1 as published.
+    - `seed`: 0 to 2^63 - 1. The same seed and frames give the same events, for any number of threads.
+    - `threads`: that work on an interval.
+
+    Raises ValueError for a size, law or seed that cannot be.
     """
 
     def __init__(
@@ -51,9 +57,7 @@ class Simulator:
         self._frame: Image | None = None
         self._t_us = 0
         self._intervals = 0
-        self._read_us = 0  # up to when events have been through all stages
-        self._complete_us = 0  # the same on the clock that stamps them
-        self._waiting: dict[str, Events] = {}  # by effect: events it has given out that are not due yet
+        self._stages = EventStages(self._pixels)
         self.parameters = parameters if parameters is not None else Parameters()
 
     @property
@@ -71,7 +75,7 @@ class Simulator:
     def complete_us(self) -> int:
         """No event to come is stamped earlier: the time of the last frame, or before, where an effect stamps
         events earlier than they were."""
-        return self._complete_us
+        return self._stages.complete_us
 
     @property
     def parameters(self) -> Parameters:
@@ -82,19 +86,18 @@ class Simulator:
     def parameters(self, parameters: Parameters) -> None:
         self.take(self.laid_down(parameters))
 
-    def laid_down(self, parameters: Parameters) -> Pattern:
+    def laid_down(self, parameters: Parameters) -> FixedPattern:
         """The fixed pattern of the sensor for these parameters, for `take`; changes nothing.
 
         It may be made in another thread than the one that calls `advance`: on a large sensor it takes time.
         """
         return self._pixels.laid_down(parameters)
 
-    def take(self, pattern: Pattern) -> None:
+    def take(self, pattern: FixedPattern) -> None:
         """Set the parameters for which `laid_down` has made this pattern."""
         parameters = pattern.parameters
         self._pixels.configure(pattern)
-        self._reports = [effect for effect in parameters.effects() if overrides(effect, "report")]
-        self._any_reports = any(effect.active for effect in self._reports)
+        self._stages.configure(parameters)
         self._parameters = parameters
         if self._frame is not None:  # the same light gives another voltage now: that is no change of light
             self._pixels.settle(self._frame.ravel(), self._t_us)
@@ -121,7 +124,7 @@ class Simulator:
         self._pixels.look(self._frame, image, float(span_us))
         try:
             self._steps(self._frame.ravel(), image.ravel(), span_us, limits.coarser)
-            events = self._reported(self._sorted(), t_us)
+            events = self._stages.passed(self._sorted(), self._t_us, t_us, self._intervals)
         except GivenUpError:
             self._pixels.abandon()
             raise
@@ -140,10 +143,7 @@ class Simulator:
         self._pixels.settle(image.ravel(), t_us)
         if first:
             self._pixels.start(t_us)
-        self._pixels.forget_events()
-        self._waiting.clear()
-        former_us = self._complete_us if t_us >= self._t_us and not first else self._stamped(t_us)
-        self._read_us, self._complete_us = t_us, max(former_us, self._stamped(t_us))
+        self._stages.restart(t_us, goes_on=t_us >= self._t_us and not first)
         self._frame, self._t_us = image, t_us
 
     def snapshot(self) -> dict[str, NDArray[Any]]:
@@ -154,20 +154,22 @@ class Simulator:
         """
         if self._frame is None:
             raise ValueError("there is no state yet: give a frame first")
+        stages = self._stages
         return {
             **self._pixels.snapshot(),
             "frame": self._frame.copy(),
-            "times_us": np.array([self._t_us, self._read_us, self._complete_us, self._intervals], np.int64),
-            **{f"waiting/{effect}": events.copy() for effect, events in self._waiting.items()},
+            "times_us": np.array([self._t_us, stages.read_us, stages.complete_us, self._intervals], np.int64),
+            **{f"waiting/{effect}": events.copy() for effect, events in stages.waiting.items()},
         }
 
     def restore(self, saved: Mapping[str, NDArray[Any]]) -> None:
         """Go on as the simulator that a `snapshot` was taken of. Raises KeyError or ValueError for others."""
         self._pixels.restore(saved)
         self._frame = self._checked(saved["frame"])
-        self._t_us, self._read_us, self._complete_us, self._intervals = saved["times_us"].tolist()
+        self._t_us, read_us, complete_us, self._intervals = saved["times_us"].tolist()
+        self._stages.read_us, self._stages.complete_us = read_us, complete_us
         begin = "waiting/"
-        self._waiting = {
+        self._stages.waiting = {
             name.removeprefix(begin): saved[name].astype(EVENT) for name in saved if name.startswith(begin)
         }
 
@@ -189,52 +191,6 @@ class Simulator:
         keys.sort()
         events = np.empty(keys.size, EVENT)
         unpack(keys, self._t_us, events["t"], events["x"], events["y"], events["p"])
-        return events
-
-    def _reported(self, events: Events, end_us: int) -> Events:
-        """What leaves the camera by end_us."""
-        if not (self._waiting or self._any_reports):
-            self._read_us = self._complete_us = end_us
-            return events
-        pixels = self._pixels
-        readout = Readout(
-            pixels.sensor, self._t_us, end_us, self._intervals, pixels.state, pixels.voltage, pixels.light,
-            pixels.limits,
-        )  # fmt: skip
-        for effect in self._reports:
-            if effect.active:
-                events = effect.report(events, readout)
-                readout.admit(len(events))
-                if effect.earliest_us > 0:
-                    readout = self._earlier(readout, effect.earliest_us)
-                    np.maximum(events["t"], readout.start_us, out=events["t"])  # it may just have begun to
-            events = self._due(effect.name, events, readout)  # also of one just switched off
-        if len(events) and events["t"][0] < self._complete_us:  # the clock has just become coarser
-            np.maximum(events["t"], self._complete_us, out=events["t"])
-        self._read_us = readout.end_us
-        self._complete_us = max(self._complete_us, self._stamped(readout.end_us))
-        return events
-
-    def _stamped(self, t_us: int) -> int:
-        """The earliest stamp of what is still to come at t_us."""
-        for effect in self._reports:
-            t_us = effect.stamp_us(t_us)
-        return t_us
-
-    def _earlier(self, readout: Readout, by_us: int) -> Readout:
-        """The interval whose events are complete when those to come may be stamped so much earlier."""
-        return replace(readout, start_us=self._read_us, end_us=max(self._read_us, readout.end_us - by_us))
-
-    def _due(self, stage: str, events: Events, readout: Readout) -> Events:
-        """What an effect has given out, now and before, that is due in the interval; the rest waits."""
-        end_us = readout.end_us
-        if stage in self._waiting:
-            waiting = self._waiting.pop(stage)
-            readout.admit(len(waiting) + len(events))
-            events = merged(waiting, events)
-        if len(events) and events["t"][-1] > end_us:
-            due = int(np.searchsorted(np.ascontiguousarray(events["t"]), end_us, side="right"))
-            events, self._waiting[stage] = events[:due], copied(events[due:])
         return events
 
     def _checked(self, frame: ArrayLike) -> Image:

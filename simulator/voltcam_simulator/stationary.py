@@ -10,13 +10,11 @@ from .random import sequence, uniform
 
 
 @kernel
-def start_voltage(
-    voltage: Any, drift: Any, noise: Any, above: Any, below: Any, key: Any, pixel0: Any
-) -> None:
+def start_voltage(pixels: Any, motion: Any, key: Any, first_pixel: Any) -> None:
     """Voltages of pixels that have been looking at a still scene for long: the stationary law.
 
-    drift [1/us] and noise [1/sqrt(us)] of the still scene; key: `interval_key`. With nu = 2 mu / sigma^2 the
-    density of a Brownian motion that restarts at 0 when it leaves (-B, A) is, up to its height at 0,
+    motion: the `Motion` of the still scene over a microsecond; key: `interval_key`. With nu = 2 mu / sigma^2
+    the density of a Brownian motion that restarts at 0 when it leaves (-B, A) is, up to its height at 0,
 
         (1 - exp(-nu (A - x))) / (1 - exp(-nu A))             for x >= 0
         (exp(nu x) - exp(-nu B)) / (1 - exp(-nu B))           for x < 0
@@ -25,10 +23,13 @@ def start_voltage(
     there, a still scene gives its long-run event rate from the first microsecond on, and not a burst of
     leak events after 1/mu. Drawn by rejection from the uniform law.
     """
+    voltage, above, below, drift, noise = (
+        pixels.voltage, pixels.above, pixels.below, motion.drift, motion.noise
+    )  # fmt: skip
     for i in range(voltage.shape[0]):
         if above[i] + below[i] == np.inf:
             continue  # a dead pixel: it has no band
-        state = sequence(key, pixel0 + i)
+        state = sequence(key, first_pixel + i)
         mu, sigma = np.float64(drift[i]), np.float64(noise[i])
         side = 1.0 if mu >= 0.0 else -1.0
         a, b = (above[i], below[i]) if mu >= 0.0 else (below[i], above[i])

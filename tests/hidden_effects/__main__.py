@@ -22,7 +22,8 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=2, help="processes at a time")
     arguments = parser.parse_args()
     reported = arguments.seed >= REPORTED_FROM
-    target = ROOT / ("docs/hidden-effects.md" if reported else f"results/hidden-effects/{arguments.seed}.md")
+    own = f"results/hidden-effects/{arguments.seed}.md"
+    target = ROOT / ("docs/how-it-works/hidden-effects.md" if reported else own)
     file = target.with_suffix(".jsonl")
     cases = grid(arguments.seed)
     wanted = [case for case in cases if fnmatchcase(case.name, arguments.cases)]

@@ -1,4 +1,4 @@
-"""docs/hidden-effects.md: the grid's outcome, whatever it is."""
+"""docs/how-it-works/hidden-effects.md: the grid's outcome, whatever it is."""
 
 from collections import Counter
 from collections.abc import Iterable, Sequence

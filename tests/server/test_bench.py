@@ -2,7 +2,8 @@
 
 from functools import partial
 
-from voltcam_server.bench import Figure, plan
+from voltcam_server.bench import plan
+from voltcam_server.bench_figure import Figure
 from voltcam_server.bench_scene import moving, noisy
 from voltcam_simulator import Parameters, Simulator
 

@@ -10,7 +10,8 @@ import pytest
 from playwright.sync_api import expect, sync_playwright
 
 from voltcam_server import diagnosis as diagnosis_module
-from voltcam_server.diagnosis import Diagnosis, DiagnosisRequest
+from voltcam_server.diagnosis import Diagnosis
+from voltcam_server.diagnosis_models import DiagnosisRequest
 from voltcam_server.emulator import Emulator
 
 from .diagnosis_rig import STUB, Bench, diagnosing, refusal

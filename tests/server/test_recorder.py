@@ -10,9 +10,9 @@ import pytest
 
 from voltcam_client.formats import FormatError, RecordingError, read
 from voltcam_server import recorder as recorder_module
-from voltcam_server.part import Part
 from voltcam_server.problems import UsageError
 from voltcam_server.recorder import Recorder, RecordingPlan
+from voltcam_server.recording_file import RecordingFile
 from voltcam_server.simulation import Simulation
 from voltcam_server.verify import verify
 
@@ -63,7 +63,7 @@ def test_a_full_disk_ends_the_recording_and_nothing_else(
         def full(*_: object) -> None:
             raise OSError(errno.ENOSPC, "No space left on device")
 
-        monkeypatch.setattr(type(recorder._part._writer), "_append", full)
+        monkeypatch.setattr(type(recorder._file._writer), "_append", full)
         until(lambda: not recorder.status.recording, "the recording ends")
         status = emulator.status.recording
         assert status is not None
@@ -94,13 +94,13 @@ def test_a_slow_disk_never_holds_the_stream(tmp_path: Path, monkeypatch: pytest.
     """What does not fit into the queue is lost and counted; no file has a gap, and each can be made again."""
     monkeypatch.setattr(recorder_module, "QUEUE_BYTES", 20_000)
     go = threading.Event()
-    write = Part.write
+    write = RecordingFile.write
 
-    def slow(part: Part, *what: Any) -> None:
+    def slow(file: RecordingFile, *what: Any) -> None:
         assert go.wait(PATIENCE_S)
-        write(part, *what)
+        write(file, *what)
 
-    monkeypatch.setattr(Part, "write", slow)
+    monkeypatch.setattr(RecordingFile, "write", slow)
     with emulating(SCENE) as (emulator, listener):
         listener.wait(lambda it: it.frames)
         emulator.record(RecordingPlan(tmp_path / "out.npz"))
@@ -164,7 +164,7 @@ def test_a_file_that_is_full_takes_what_comes_until_the_next_can_begin(tmp_path:
     camera = tiny()
     simulation = Simulation(camera, "exact", 0)
     images = moving_frames(4, camera)
-    recorder = Recorder(RecordingPlan(tmp_path / "out.npz", rotate_bytes=1), simulation.origin)
+    recorder = Recorder(RecordingPlan(tmp_path / "out.npz", rotate_bytes=1), simulation.setup)
     for index, (image, looked) in enumerate(zip(images, (True, False, True, True), strict=True)):
         if looked:
             recorder.look(simulation, "here")

@@ -14,7 +14,7 @@ import pytest
 
 from voltcam_client.formats import read
 from voltcam_server import capture
-from voltcam_server.child import Child
+from voltcam_server.child_process import ChildProcess
 from voltcam_server.problems import UsageError
 from voltcam_server.recorder import RecordingPlan
 from voltcam_video import SourceError, SourceRequest
@@ -135,7 +135,7 @@ def _children(pid: int) -> list[int]:
 
 
 def test_a_child_asks_for_its_end_at_once(tmp_path: Path) -> None:
-    child = Child(["sleep", "60"], 5, tmp_path / "log")
+    child = ChildProcess(["sleep", "60"], 5, tmp_path / "log")
     following = threading.Thread(target=lambda: _follow(child))
     following.start()
     time.sleep(0.3)
@@ -144,7 +144,7 @@ def test_a_child_asks_for_its_end_at_once(tmp_path: Path) -> None:
     assert not following.is_alive()
 
 
-def _follow(child: Child) -> None:
+def _follow(child: ChildProcess) -> None:
     try:
         child.follow(lambda _: None)
     except UsageError:

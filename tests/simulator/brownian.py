@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
 from voltcam_simulator.crossings import cross
+from voltcam_simulator.groups import Kicks, Motion, Pixels, Reset, Step
 from voltcam_simulator.random import CROSSINGS, interval_key
 
 Floats = NDArray[np.float64]
@@ -18,19 +19,18 @@ def crossings(
 
     drift and noise (standard deviation) are those of the whole second.
     """
-    voltage, pending = np.full(n, start, np.float32), np.zeros(n, np.float32)
-    plane = [np.full(n, v, np.float32) for v in (drift, noise / np.sqrt(SPAN_US), above, below)]
+    levels = (start, 0, 0, above, below)
+    pixels = Pixels(*(np.full(n, level, np.float32) for level in levels))
+    motion = Motion(*(np.full(n, v, np.float32) for v in (drift, noise / np.sqrt(SPAN_US))))
+    step = Step(interval_key(seed, CROSSINGS, 0), SPAN_US, 0.0, first_pixel=0, width=n)
+    kicks = Kicks(np.zeros((0, 1)), np.zeros((0, 1)), np.zeros(n, np.float32))
     keys = np.empty(2000 * n if noise > 2 else 200 * n, np.uint64)
-    none, zeros = np.zeros((0, 1)), np.zeros(n, np.float32)
-    done, written = cross(
-        voltage, pending, plane[0], plane[1], SPAN_US, plane[2], plane[3], zeros, zeros,
-        False, np.arange(n, dtype=np.int32), 0, n, interval_key(seed, CROSSINGS, 0), 0, n, 0.0, 0.0,
-        none, none, 0.0, keys,
-    )  # fmt: skip
+    near = np.arange(n, dtype=np.int32)
+    done, written = cross(*pixels, *motion, *step, *Reset(0.0, 0.0), *kicks, False, near, 0, n, keys)
     assert done == n
     keys = keys[:written]
     pixel = (keys >> np.uint64(1) & np.uint64(0x1FFF)).astype(np.int64)
-    return pixel, (keys >> np.uint64(27)) / SPAN_US, (keys & np.uint64(1)).astype(bool), voltage
+    return pixel, (keys >> np.uint64(27)) / SPAN_US, (keys & np.uint64(1)).astype(bool), pixels.voltage
 
 
 def fine_steps(

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from voltcam_simulator.first_passage import inverse_gaussian
-from voltcam_simulator.lazy import gather
+from voltcam_simulator.groups import Motion, Pixels
+from voltcam_simulator.out_of_reach import accumulate
 from voltcam_simulator.random import START, interval_key
 from voltcam_simulator.stationary import start_voltage
 
@@ -114,7 +115,7 @@ def test_inverse_gaussian_has_its_law_down_to_levy() -> None:
     assert stats.kstest(draws(0.0, 2.0), stats.levy(scale=2.0).cdf).pvalue > P_LIMIT
 
 
-def test_gather_is_its_numpy_twin() -> None:
+def test_accumulate_is_its_numpy_twin() -> None:
     rng = np.random.default_rng(5)
     n = 5000
     voltage = rng.uniform(-1, 1, n).astype(np.float32)
@@ -130,9 +131,8 @@ def test_gather_is_its_numpy_twin() -> None:
     near, held = np.empty(n + 1, np.int32), (rng.random(n) < 0.01).astype(np.float32)
     far &= held == 0
     expected = np.where(far, voltage + drift, voltage), np.where(far, variance, pending)
-    count = gather(
-        np.zeros(1, np.bool_), voltage, pending, drift, noise, np.float32(1000), above, below, held, near
-    )
+    pixels, motion = Pixels(voltage, pending, held, above, below), Motion(drift, noise)
+    count = accumulate(*pixels, *motion, 1000.0, n, np.zeros(1, np.bool_), near)
     assert 0 < count < n
     assert near[:count].tolist() == np.flatnonzero(~far).tolist()
     np.testing.assert_allclose(voltage, expected[0], rtol=1e-6)
@@ -154,9 +154,10 @@ def test_the_start_is_the_stationary_law(drift: float, noise: float, above: floa
     n = 8000
 
     def start(seed: int) -> NDArray[np.float32]:
-        planes = [np.full(n, v, np.float32) for v in (0, drift / 1e6, noise / 1e3, above, below)]
-        start_voltage(*planes, interval_key(seed, START, 0), 0)
-        return planes[0]
+        pixels = Pixels(*(np.full(n, v, np.float32) for v in (0, 0, 0, above, below)))
+        motion = Motion(*(np.full(n, v, np.float32) for v in (drift / 1e6, noise / 1e3)))
+        start_voltage(pixels, motion, interval_key(seed, START, 0), 0)
+        return pixels.voltage
 
     voltage = start(1)
     assert (voltage < above).all()

@@ -29,11 +29,13 @@ class RecordingError(OSError):
 class Recording:
     """A recording, in memory or mapped from the disk.
 
-    `events` is an EVENT array sorted by t. `width` and `height` are in pixels; where the file does not say
-    (plain text), they are the smallest that hold every event. `frames` is (N, H, W) uint8 with `frame_t_us`
-    (N,) int64, both None without frames. An Event Camera Dataset folder has `image_paths` in place of
-    `frames`: decoding them takes an image library, which voltcam_video has. `exposure_us` (N, 2) is when each
-    frame's exposure began and ended, None where the file does not say.
+    - `events`: (N,) EVENT, sorted by t.
+    - `width`, `height`: pixels; where the file does not say (plain text), the smallest that hold every event.
+    - `frames`: (M, H, W) uint8, grey levels; None without frames.
+    - `frame_t_us`: (M,) int64, their times; None without frames.
+    - `image_paths`: of an Event Camera Dataset folder, in place of `frames`: decoding them takes an image
+      library, which voltcam_video has.
+    - `exposure_us`: (M, 2) int64, when each frame's exposure began and ended; None where that is not said.
     """
 
     events: Events

@@ -8,7 +8,7 @@ from collections import OrderedDict
 from fastapi import APIRouter, HTTPException, Request, Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from ..bodies import body_of, read_model, refuses
+from ..request_body import body_of, read_model, refuses
 from .tokens import Role, Tokens
 
 COOKIE = "voltcam_session"
@@ -17,18 +17,24 @@ MOST_SESSIONS = 100  # the oldest ends for a new one
 
 
 class SessionRequest(BaseModel):
-    """token: of the daemon's file or environment."""
+    """Who asks."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(use_attribute_docstrings=True, extra="forbid")
 
     token: str = Field(min_length=1, max_length=1000)
+    """of the daemon's file or environment"""
 
 
 class SessionAnswer(BaseModel):
-    """role: what the caller may do; null: nothing but begin a session. needs_token: whether there are any."""
+    """What the caller may do."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
 
     role: Role | None
+    """view or control; null: nothing but begin a session"""
+
     needs_token: bool
+    """whether the daemon has tokens"""
 
 
 class Sessions:
@@ -64,6 +70,7 @@ def session_routes(tokens: Tokens, sessions: Sessions, secure: bool) -> APIRoute
 
     @api.get("", responses=refuses(403))
     async def get_session(request: Request) -> SessionAnswer:
+        """What the caller may do, and whether a token is needed for more."""
         return SessionAnswer(role=request.scope.get("voltcam_role"), needs_token=bool(tokens))
 
     @api.post("", openapi_extra=body_of(SessionRequest), responses=refuses(400, 401, 403, 413, 422))

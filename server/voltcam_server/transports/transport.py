@@ -5,7 +5,7 @@ from abc import ABC, abstractmethod
 from collections import deque
 from typing import ClassVar
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ConfigDict
 
 from ..messages import Message
 
@@ -16,20 +16,40 @@ END_S = 1.0
 class ClientStatus(BaseModel):
     """One subscriber that the transport knows by itself."""
 
+    model_config = ConfigDict(use_attribute_docstrings=True)
+
     address: str
+    """HOST:PORT"""
+
     topic: str
+    """events or frames"""
+
     encoding: str | None
+    """of its event packets; null for frames"""
+
     sent: int
+    """messages"""
+
     dropped: int
+    """messages that it was too slow for"""
 
 
 class TransportStatus(BaseModel):
-    """Event packets that a transport has sent and dropped, summed over its clients where it knows them."""
+    """Event packets of a transport, summed over its clients where it knows them."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
 
     address: str
+    """where it is reached"""
+
     packets_sent: int
+    """since the start"""
+
     packets_dropped: int
+    """since the start"""
+
     clients: list[ClientStatus] = []
+    """those that it knows by itself"""
 
 
 class Transport(ABC):

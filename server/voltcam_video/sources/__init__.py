@@ -1,7 +1,6 @@
 """One file per kind of source; `open_source` picks by the uri."""
 
 import threading
-from pathlib import Path
 
 from voltcam_video.clock import Clock
 from voltcam_video.request import SourceRequest
@@ -14,7 +13,17 @@ from voltcam_video.sources.npz import NpzSource
 from voltcam_video.sources.scene import SceneSource
 from voltcam_video.sources.source import Granted, Source, SourceError
 
-__all__ = ["Granted", "MemorySource", "Source", "SourceError", "open_source"]
+__all__ = ["SOURCES", "Granted", "MemorySource", "Source", "SourceError", "open_source"]
+
+SOURCES: tuple[type[Source], ...] = (
+    SceneSource,
+    DeviceSource,
+    NetworkSource,
+    ImagesSource,
+    NpzSource,
+    FileSource,
+)
+"""Asked in this order; the first that `reads` a request opens it. The last takes any path."""
 
 
 def open_source(
@@ -29,16 +38,8 @@ def open_source(
 
 
 def _kind(request: SourceRequest) -> type[Source]:
-    uri = request.uri
-    if uri == "scene":
-        return SceneSource
-    if request.device:
-        return DeviceSource
-    if "://" in uri:
-        return NetworkSource
-    path = Path(uri)
-    if path.is_dir():
-        return ImagesSource
-    if path.exists() and not path.is_file():  # reading a pipe or a socket may wait for ever
+    path = request.path
+    if path is not None and path.exists() and not (path.is_file() or path.is_dir()):
+        # reading a pipe or a socket may wait for ever
         raise SourceError(f"{request.shown} is neither a file nor a folder: give a recording")
-    return NpzSource if uri.endswith(".npz") else FileSource
+    return next(kind for kind in SOURCES if kind.reads(request))

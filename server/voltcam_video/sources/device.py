@@ -52,6 +52,10 @@ class DeviceSource(LiveSource):
         super().__init__(request, clock, stop)
         self.granted = self._ask()
 
+    @classmethod
+    def reads(cls, request: SourceRequest) -> bool:
+        return request.device is not None
+
     def _open(self) -> Capture:
         _check(self._path)
         deadline_s = time.monotonic() + LET_GO_S

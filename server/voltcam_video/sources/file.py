@@ -44,6 +44,10 @@ class FileSource(RecordedSource):
         )
         capture.release()
 
+    @classmethod
+    def reads(cls, request: SourceRequest) -> bool:
+        return request.path is not None
+
     def _open(self) -> Capture:
         try:
             empty, missing = not self._path.stat().st_size, missing_bytes(self._path)

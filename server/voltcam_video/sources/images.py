@@ -40,6 +40,10 @@ class ImagesSource(RecordedSource):
             clock="recording",
         )
 
+    @classmethod
+    def reads(cls, request: SourceRequest) -> bool:
+        return request.path is not None and request.path.is_dir()
+
     def _take(self) -> Iterator[Frame]:
         for t_us, name in self._entries:
             yield Frame(_read_image(self._folder / name), t_us)

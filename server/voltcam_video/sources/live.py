@@ -16,6 +16,7 @@ class LiveSource(Source):
     """Frames of an opened capture, strictly increasing in time."""
 
     live = True
+    endless = True
 
     def __init__(self, request: SourceRequest, clock: Clock, stop: threading.Event) -> None:
         super().__init__(request, clock, stop)

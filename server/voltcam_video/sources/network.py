@@ -42,6 +42,10 @@ class NetworkSource(LiveSource):
             clock="arrival",
         )
 
+    @classmethod
+    def reads(cls, request: SourceRequest) -> bool:
+        return "://" in request.uri
+
     def _open(self) -> Capture:
         timeout_ms = round(self.request.timeout_s * 1000)
         timeouts = [cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, timeout_ms, cv2.CAP_PROP_READ_TIMEOUT_MSEC, timeout_ms]

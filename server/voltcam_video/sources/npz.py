@@ -52,6 +52,10 @@ class NpzSource(RecordedSource):
             clock="recording",
         )
 
+    @classmethod
+    def reads(cls, request: SourceRequest) -> bool:
+        return request.path is not None and request.uri.endswith(".npz")
+
     def _check_names(self, archive: zipfile.ZipFile) -> None:
         found = {name.removesuffix(".npy") for name in archive.namelist()}
         if not {"frames", "t_us"} <= found:

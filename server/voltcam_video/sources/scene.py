@@ -148,6 +148,8 @@ def _pixels(x: int, y: int, w: int, h: int, width: int, height: int) -> tuple[sl
 class SceneSource(RecordedSource):
     """The scene at `width`, `height` and `fps` of the request; it does not end."""
 
+    endless = True
+
     def __init__(self, request: SourceRequest, clock: Clock, stop: threading.Event) -> None:
         super().__init__(request, clock, stop)
         self._width, self._height = request.width or WIDTH, request.height or HEIGHT
@@ -167,6 +169,10 @@ class SceneSource(RecordedSource):
             backend=None,
             clock="recording",
         )
+
+    @classmethod
+    def reads(cls, request: SourceRequest) -> bool:
+        return request.uri == "scene"
 
     def _take(self) -> Iterator[Frame]:
         for i in count():

@@ -17,12 +17,13 @@ class SourceError(Exception):
 class Granted(TypedDict):
     """What a source turned out to be; None is what it does not know.
 
-    frames: as announced; containers without an index estimate it from their duration.
+    kind: of source, in a word. frames: as announced; containers without an index estimate it from their
+    duration.
     clock: where the stamps come from. kernel: the driver's, of the moment of capture; arrival: when we got
     the frame; recording: the recording's own.
     """
 
-    kind: Literal["device", "file", "images", "npz", "recording", "network", "replay", "scene"]
+    kind: str
     live: bool
     width: int
     height: int
@@ -37,11 +38,18 @@ class Source(ABC):
     """Frames one after the other; a context manager and an iterator.
 
     live: comes from outside and may come back after an error, as a camera or stream does; reads never end,
-    they raise SourceError. A recording (and the scene) ends with None.
+    they raise SourceError. A recording ends with None. endless: does not end by itself, as live ones and the
+    scene.
     """
 
     live: bool
+    endless: bool = False
     granted: Granted
+
+    @classmethod
+    def reads(cls, request: SourceRequest) -> bool:
+        """Whether the request's uri names a source of this kind. None does where it is not in SOURCES."""
+        return False
 
     def __init__(self, request: SourceRequest, clock: Clock, stop: threading.Event) -> None:
         """Opens it. `stop` ends a wait for the next frame's due time."""

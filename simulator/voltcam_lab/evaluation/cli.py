@@ -1,4 +1,4 @@
-"""`voltcam evaluate`: models against recordings, and the paper's figures, into docs/evaluation.md."""
+"""`voltcam evaluate`: models against recordings, and the paper's figures; writes evaluation.md."""
 
 import argparse
 import sys
@@ -18,6 +18,8 @@ from .evaluate import Evaluation, judged, yardstick_of
 from .folds import folds, pooled, pooled_region
 from .page import write_evaluation
 
+PAGES = Path("docs/how-it-works")
+
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """The command line of `voltcam evaluate`."""
@@ -28,12 +30,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.epilog = """\
 examples:
-  voltcam evaluate slider_depth/ street.aedat4     regenerates docs/evaluation.md
+  voltcam evaluate slider_depth/ street.aedat4     regenerates docs/how-it-works/evaluation.md
   voltcam evaluate run.npz --out /tmp/mine"""
     parser.add_argument(
         "recordings", metavar="RECORDING", nargs="*", type=Path, help="a recording with frames and events"
     )
-    parser.add_argument("--out", metavar="DIR", type=Path, default=Path("docs"), help="default: docs")
+    parser.add_argument("--out", metavar="DIR", type=Path, default=PAGES, help=f"default: {PAGES}")
     parser.set_defaults(run=run)
 
 

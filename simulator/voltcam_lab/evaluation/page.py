@@ -1,4 +1,4 @@
-"""docs/evaluation.md with its figures: written anew from evaluations, by `voltcam evaluate`."""
+"""docs/how-it-works/evaluation.md with its figures: written anew from evaluations, by `voltcam evaluate`."""
 
 import re
 from collections.abc import Callable, Sequence

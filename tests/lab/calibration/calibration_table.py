@@ -1,4 +1,4 @@
-"""How far off `calibrate` is, and how often its intervals hold: docs/calibration.md.
+"""How far off `calibrate` is, and how often its intervals hold: docs/how-it-works/calibration-accuracy.md.
 
 By `make calibration-table`: what was found of each recording is kept in results/calibration.jsonl, so an
 interruption loses nothing, and the next time goes on from there. Delete that file to begin anew.
@@ -23,7 +23,7 @@ NAMES = {"k2_dn": "k2", "k4_per_us": "k4", "k5_per_dn_us": "k5"}
 FIRST_SEED = 300
 RATES = {240: 20, 100: 10, 25: 20}  # frames a second: recordings
 KEPT = Path("results/calibration.jsonl")
-PAGE = Path("docs/calibration.md")
+PAGE = Path("docs/how-it-works/calibration-accuracy.md")
 
 TEXT = """# How well `voltcam calibrate` finds a camera
 

@@ -1,0 +1,15 @@
+"""Arguments that several commands of `voltcam` take."""
+
+import math
+
+from voltcam_client.camera import DEFAULT_URL
+
+URL_HELP = f"where the camera is (default: {DEFAULT_URL})"
+
+
+def seconds(text: str) -> float:
+    """An argument's type; argparse shows its name to the user."""
+    number = float(text)
+    if not 0 < number < math.inf:
+        raise ValueError
+    return number

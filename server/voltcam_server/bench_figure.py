@@ -1,0 +1,44 @@
+"""A figure of `voltcam bench`: what was measured several times, as a line of its table."""
+
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Frames = NDArray[np.uint8]
+REPEATS = 5
+
+
+@dataclass
+class Figure:
+    """One line of the table: a median, its spread, what it is measured in, and what to hold it against."""
+
+    name: str
+    median: float
+    least: float
+    most: float
+    unit: str
+    remark: str = ""
+
+    @classmethod
+    def of(cls, name: str, values: list[float], unit: str, remark: str = "") -> "Figure":
+        return cls(name, statistics.median(values), min(values), max(values), unit, remark)
+
+    def __str__(self) -> str:
+        figures = f"{self.median:10.4g}   {self.least:9.4g} to {self.most:<9.4g}"
+        return f"{self.name:<46}{figures} {self.unit:<14} {self.remark}".rstrip()
+
+
+def repeated(
+    action: Callable[[], object], repeats: int = REPEATS, clock: Callable[[], float] = time.perf_counter
+) -> list[float]:
+    """Seconds of each run, by wall time unless another clock is given."""
+    seconds = []
+    for _ in range(repeats):
+        begin = clock()
+        action()
+        seconds.append(clock() - begin)
+    return seconds
