@@ -1,4 +1,4 @@
-"""The battery: what is looked at in a recording to tell which physics is in it.
+"""The statistics that are taken of a recording to tell which physics is in it.
 
 `setting_of` divides a scene into parts and strata once; `observe` takes all statistics of a stream of events
 in it. The same is done with the events of a camera and with those of its simulated twins. A group of

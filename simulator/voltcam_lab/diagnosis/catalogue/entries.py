@@ -156,7 +156,8 @@ ENTRIES: tuple[Entry, ...] = (
             Candidate("input_response", ("black_level_dn",), sizes(8)),
         ),
     ),
-    Entry(  # of the open route, whose forms are in search/unlisted.py
+    # The open route: its forms are in search/unlisted.py.
+    Entry(
         "residual_drift",
         STILL_SCENE,
         acts_across_columns=lambda parameters: (

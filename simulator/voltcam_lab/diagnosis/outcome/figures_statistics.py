@@ -1,4 +1,4 @@
-"""Figures of a diagnosis from what the battery saw: measured, before and after."""
+"""Figures of a diagnosis from its statistics: measured, before and after."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from ...pages.style import BLUE, ON_OFF, ORANGE, REAL, styled
 from ...statistics import LABELS, Setting
-from ...statistics.inter_event_times import COARSE_MS, FINE_MS, PAIRS
+from ...statistics.inter_event_times import COARSE_MS, FINE_MS, POLARITY_PAIRS
 from ...statistics.strata import INTENSITY_NAMES, SLOPE_NAMES
 from .where import Ranked
 
 Series = Mapping[str, NDArray[np.float64]]
-"""Name -> (n,) the battery's statistics, counts as numbers, summed over the parts; "measured" first."""
+"""Name -> (n,) the statistics, counts as numbers, summed over the parts; "measured" first."""
 
 SERIES_COLOURS = {"measured": REAL, "before": ORANGE, "after": BLUE, "model": BLUE}
 FILL, EDGE = "#d5dae1", "#9aa2ac"
@@ -27,7 +27,7 @@ _GROUPS = {
 
 
 def cells(group: str, name: str, *axes: str) -> NDArray[np.int64]:
-    """Numbers of the battery's statistics of this name and these axes, in a table with these axes."""
+    """Numbers of the statistics of this name and these axes, in a table with these axes."""
     chosen = [
         (i, label)
         for i, label in enumerate(LABELS)
@@ -62,7 +62,7 @@ def gap_bars(found: Mapping[str, tuple[float, float]]) -> Figure:
 
 @styled
 def deviation_dots(found: Mapping[str, Ranked]) -> Figure:
-    """Every statistic of the battery, by group: how far the data are from each model, in twins' spreads."""
+    """Every statistic, by group: how far the data are from each model, in twins' spreads."""
     figure = Figure((8.8, 0.7 + 1.75 * len(found)), layout="constrained")
     rows = figure.subplots(len(found), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     letters = np.array([label.group for label in LABELS])
@@ -169,7 +169,7 @@ def interval_histograms(series: Series) -> Figure:
         _steps(panel, series, fine[row], _edges(FINE_MS), title)
         panel.set_ylabel("events")
     for panel, row in zip(bottom.subplots(1, 4), range(4), strict=True):
-        title = PAIRS[row].replace(" at", ", at").replace(" O", " to O")
+        title = POLARITY_PAIRS[row].replace(" at", ", at").replace(" O", " to O")
         _steps(panel, series, coarse[row], _edges(COARSE_MS), title)
     figure.legend(*_handles(top), loc="outside upper right", ncols=len(series))
     return figure

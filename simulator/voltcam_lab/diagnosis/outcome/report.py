@@ -14,7 +14,7 @@ from ..search.step import Step
 from ..session import Session
 from . import figures_events, figures_statistics
 from .result import Effect, Estimate, Result
-from .where import Ranked, View, gaps_by_group, numbers, plain, ranked, views
+from .where import Ranked, View, gaps_by_group, label_in_words, numbers, ranked, views
 
 _TONE = {"effects": "warn", "none": "good", "unknown": "bad"}
 _HEADLINE = {
@@ -125,7 +125,7 @@ def _worst(found: dict[str, Ranked]) -> Markup:
     rows = []
     for i in _various(first):
         row: list[object] = [
-            plain(LABELS[i]), short(float(first.measured[i])), short(float(first.expected[i])),
+            label_in_words(LABELS[i]), short(float(first.measured[i])), short(float(first.expected[i])),
             _difference(first, i), f"{first.z[i]:+.1f}", _small(float(first.q[i])),
         ]  # fmt: skip
         rows.append(row if first is last else [*row, f"{last.z[i]:+.1f}"])

@@ -1,4 +1,4 @@
-"""Where model and measurement disagree: every statistic of the battery, ranked."""
+"""Where model and measurement disagree: every statistic, ranked."""
 
 from dataclasses import dataclass, replace
 
@@ -20,7 +20,7 @@ Z_90 = 1.645
 
 @dataclass(frozen=True, eq=False)
 class Ranked:
-    """All statistics of the battery, (n,) each, over all parts of a recording; twice, before and after.
+    """All statistics, (n,) each, over all parts of a recording; twice, before and after.
 
     measured, expected: counts as numbers, values as they are, of all parts together. z: how far apart, of the
     twins' spread; q: false discovery rate at which it would be reported (Benjamini and Hochberg 1995).
@@ -93,7 +93,7 @@ def ranked(view: View, data: Values) -> Ranked:
 
 
 def gaps_by_group(view: View, data: Values) -> dict[str, tuple[float, float]]:
-    """Of each of the battery's groups, by letter, the held-out gap and what chance alone leaves."""
+    """Of each group of statistics, by letter, the held-out gap and what chance alone leaves."""
     z = ((data - view.expected) / view.spread.sd)[list(HELD_OUT)]
     twins = [one[list(HELD_OUT)] for one in view.spread.left_out]
     found = {}
@@ -106,7 +106,7 @@ def gaps_by_group(view: View, data: Values) -> dict[str, tuple[float, float]]:
     return found
 
 
-def plain(label: Label) -> str:
+def label_in_words(label: Label) -> str:
     """A statistic in words."""
     which = ", ".join(f"{value}" if key in _SAID else f"{key} {value}" for key, value in label.strata)
     return f"{label.name}: {which}" if which else label.name

@@ -1,4 +1,4 @@
-"""The test rig: the model run on a recording's scene, and what the battery sees of it."""
+"""The test rig: a camera simulated on a recording's scene, and the statistics of its events."""
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property, lru_cache
@@ -15,7 +15,7 @@ from ..catalogue.entries import acts_across_columns, lead_in_us
 from .lights import LIGHTS, light_behind
 
 Events = NDArray[np.void]
-Image = tuple[NDArray[np.float32], int]
+TimedImage = tuple[NDArray[np.float32], int]
 Lights = tuple[NDArray[np.float32], list[int]]
 """(images, H, W) DN and their times [us]."""
 Job = tuple[Parameters, tuple[int, ...], bool]
@@ -58,11 +58,11 @@ class Rig:
         return lru_cache(REMEMBERED)(self.run)
 
     def run(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> Values:
-        """(seeds, PARTS, n) what the battery sees of a batch of runs, comparable; see `events`."""
+        """(seeds, PARTS, n) statistics of a batch of runs, comparable; see `events`."""
         return np.stack([self.observe(events) for events in self.events(parameters, seeds, apart)])
 
     def observe(self, events: Events) -> Values:
-        """(PARTS, n) what the battery sees of events, `in_trusted_light`."""
+        """(PARTS, n) statistics of events, `in_trusted_light`."""
         return comparable(observe(self.setting, self.in_trusted_light(events)).values)
 
     def in_trusted_light(self, events: Events) -> Events:
@@ -133,7 +133,7 @@ class Rig:
         return [mean - base[acts_across_columns(one)] for mean, one in zip(means, there, strict=True)]
 
 
-def _side_by_side(images: Sequence[Image]) -> Image:
+def _side_by_side(images: Sequence[TimedImage]) -> TimedImage:
     height, width = images[0][0].shape
     joined = np.zeros((height, len(images), width + GUTTER), np.float32)
     for n, (image, _) in enumerate(images):
@@ -145,7 +145,7 @@ def _batches(seeds: Sequence[int]) -> list[tuple[int, ...]]:
     return [tuple(batch) for _, batch in groupby(seeds, lambda seed: seed // len(LIGHTS))]
 
 
-def _moving(light: Iterator[Image]) -> Iterator[Image]:
+def _moving(light: Iterator[TimedImage]) -> Iterator[TimedImage]:
     """Without the images between two others that are the same: nothing happens there."""
     former, skipped = next(light), None
     yield former

@@ -46,7 +46,7 @@ class StoredRig(Rig):
         return super().events(parameters, self._own(seeds), apart)
 
     def run(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> Values:
-        """(seeds, PARTS, n) what the battery sees of a batch of runs, comparable."""
+        """(seeds, PARTS, n) statistics of a batch of runs, comparable."""
         if self._ended.is_set():
             raise CancelledError
         key = f"{self._digest} {self._seed} {list(seeds)} {apart} {parameters.model_dump_json()}"
