@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 from ...light.scene import Scene
 
 LIGHTS = ((0.0, 0.4), (-0.3, 0.55), (0.15, 0.4), (-0.15, 0.55))
-"""Versions of the light between frames that a cubic tells: (how much more it bends than `Scene.images`, -1 is
-straight; random error as a share of the error that left-out frames show, `Scene.surprise`). What frames leave open must not look like a gap: shares
-are about what an effect-free recording asks for, and differ by about as much as recordings do."""
+"""Versions of the light between frames that a cubic tells: how much more it bends than `Scene.images` (-1 is
+straight), and a random error as a share of `Scene.surprise`, the error that left-out frames show. What frames
+leave open must not look like a gap. Development: about what recordings without an effect ask for."""
 MOVED_LIGHTS = ((0.0, 0.4), (-0.6, 0.6), (0.3, 0.4), (-0.3, 0.6))
-"""The same where motion had to be guessed."""
+"""Versions of the light where motion had to be guessed."""
 
 LightImage = NDArray[np.float32]
 

@@ -18,7 +18,8 @@ from .screen import Screen, Signature, screen_of
 from .settings import DEFAULTS, SearchSettings
 from .spread import flat, spread_of
 
-Answer = Literal["yes", "in part", "no"]
+Fixed = Literal["yes", "in part", "no"]
+"""Whether a recording fixes a parameter."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class ParameterIdentifiability:
     value: float
     sd: float
     share: float
-    answer: Answer
+    answer: Fixed
     mixed_with: dict[str, float] = field(default_factory=dict)
 
 
@@ -132,7 +133,7 @@ def base_identifiability(
     return tuple(found)
 
 
-def answer_of(share: float, settings: SearchSettings = DEFAULTS) -> Answer:
+def answer_of(share: float, settings: SearchSettings = DEFAULTS) -> Fixed:
     """Whether a parameter is fixed, of which this share of the uncertainty goes."""
     reporting = settings.reporting
     return "yes" if share > reporting.fixed else "in part" if share > reporting.partly_fixed else "no"

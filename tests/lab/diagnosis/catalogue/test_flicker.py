@@ -1,5 +1,7 @@
 """A lamp, as events tell of it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -52,3 +54,10 @@ def test_the_phase_of_flickering_light(turns: float) -> None:
 def test_no_phase_is_looked_for_where_no_lamp_is_to_be_heard() -> None:
     rig = swaying()
     assert in_step(rig, PAPER, LAMP, rig.events(PAPER, [5])[0]) is LAMP
+
+
+def test_a_lamp_is_moved_on_by_a_quarter_turn_for_an_e_fold_of_its_second_size() -> None:
+    lamp = replace(LAMP, others={**LAMP.others, "phase_turns": 0.4})
+    found = [lamp.on(Parameters.of("paper"), (0.03, float(np.exp(e)))).flicker for e in (0.0, -1.0, 1.0)]
+    assert [one.depth for one in found] == [0.03] * 3
+    assert [one.phase_turns for one in found] == pytest.approx([0.4, 0.15, -0.35])  # 0.65 is the same phase
