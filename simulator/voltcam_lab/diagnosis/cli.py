@@ -30,7 +30,7 @@ from .session import MOST_SECONDS, DiagnosisError, Session, session_of
 
 RUNS_FOLDER = ".voltcam-runs"  # in --out, until all is done
 LINE_PERIOD_S = 10.0
-BAR = "{desc:<34} {percentage:3.0f}% |{bar:24}| {n_fmt} of {total_fmt} simulations {elapsed}"
+SIMULATIONS_BAR = "{desc:<34} {percentage:3.0f}% |{bar:24}| {n_fmt} of {total_fmt} simulations {elapsed}"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -74,7 +74,7 @@ def run(
         raise DiagnosisError(f"{arguments.out} is a file: give a folder as --out")
     runs = arguments.out / RUNS_FOLDER
     try:
-        with tqdm(total=0, disable=None, leave=False, bar_format=BAR) as bar:
+        with tqdm(total=0, disable=None, leave=False, bar_format=SIMULATIONS_BAR) as bar:
             say = partial(_say, bar=bar)
             session = _ready(arguments, camera, runs, say, bar, settings, entries)
             bar.set_description_str("What this recording can tell")

@@ -20,7 +20,7 @@ LEAD_IN_FRAMES = 60
 """Frames before a recording. By then the readout has fired all pixels that it can fire at once."""
 
 
-def candidates(clues: Clues) -> tuple[Candidate, ...]:
+def readout_candidates(clues: Clues) -> tuple[Candidate, ...]:
     """With the exposure; with the scan of the rows; or with both and a line that is up for longer."""
     row_us = USUAL_ROW_US if clues.row_us is None else clues.row_us
     start_us, exposure_us = exposure_of(clues.setting, clues.events, row_us)
@@ -40,13 +40,13 @@ def candidates(clues: Clues) -> tuple[Candidate, ...]:
     )
 
 
-def lead_in_us(parameters: Parameters) -> int:
+def readout_lead_in_us(parameters: Parameters) -> int:
     """How long the frame readout must run before a recording."""
     readout = parameters.aps_coupling
     return round(LEAD_IN_FRAMES * readout.frame_period_us) if readout.active else 0
 
 
-def on_clock(parameters: Parameters, t_us: int) -> dict[str, Any]:
+def readout_on_clock(parameters: Parameters, t_us: int) -> dict[str, Any]:
     """The start of a frame, counted from t_us."""
     readout = parameters.aps_coupling
     if not readout.active:

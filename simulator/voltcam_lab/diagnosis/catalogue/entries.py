@@ -72,16 +72,16 @@ ENTRIES: tuple[Entry, ...] = (
     Entry(
         "flicker",
         "a still, evenly lit wall under the lamp, frames not at a multiple of the mains",
-        flicker.candidates,
-        on_clock=flicker.on_clock,
+        flicker.lamp_candidates,
+        on_clock=flicker.lamp_on_clock,
         tuned=flicker.in_step,
     ),
     Entry(
         "aps_coupling",
         "a still scene with the frame rate changed half way",
-        aps_coupling.candidates,
-        on_clock=aps_coupling.on_clock,
-        lead_in_us=aps_coupling.lead_in_us,
+        aps_coupling.readout_candidates,
+        on_clock=aps_coupling.readout_on_clock,
+        lead_in_us=aps_coupling.readout_lead_in_us,
     ),
     Entry(
         "latency",

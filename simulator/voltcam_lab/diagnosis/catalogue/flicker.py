@@ -47,13 +47,13 @@ class Lamp(Candidate):
         return {"depth": depth, "phase_turns": (turns, turns - half, turns + half)}
 
 
-def candidates(clues: Clues) -> tuple[Candidate, ...]:
+def lamp_candidates(clues: Clues) -> tuple[Candidate, ...]:
     """A lamp of the loudest frequency, at phase 0."""
     others = {"frequency_hz": loudest_hz(clues.t_us, clues.events["p"]), "phase_turns": 0.0}
     return (Lamp("flicker", ("depth", "advance"), ((0.02, 1.0), (0.05, 1.0)), others),)
 
 
-def on_clock(parameters: Parameters, t_us: int) -> dict[str, Any]:
+def lamp_on_clock(parameters: Parameters, t_us: int) -> dict[str, Any]:
     """The phase at t_us."""
     lamp = parameters.flicker
     return {"phase_turns": later_turns(lamp.phase_turns, lamp.frequency_hz, t_us)} if lamp.active else {}

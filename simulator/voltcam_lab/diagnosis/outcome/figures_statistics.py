@@ -156,7 +156,7 @@ def _write(panel: Any, texts: list[list[str]], light: NDArray[np.bool_]) -> None
 
 
 @styled
-def interval_histograms(series: Series) -> Figure:
+def inter_event_histograms(series: Series) -> Figure:
     """Times between two events of a pixel: moving, of one polarity, and at rest, by pair of them."""
     fine = cells("B", "intervals, moving", "polarity", "interval")
     coarse = cells("B", "intervals", "pair", "interval")

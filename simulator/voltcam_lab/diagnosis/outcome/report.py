@@ -167,7 +167,7 @@ def _from_statistics(setting: Setting, data: Values, models: dict[str, View]) ->
             "Measured, events per pixel and second, where light is known between frames;"
             " models as a multiple: blue too few, red too many.")),
         ("Intervals", figure(
-            figures_statistics.interval_histograms(series), "Time between two events of a pixel.")),
+            figures_statistics.inter_event_histograms(series), "Time between two events of a pixel.")),
         ("Response in time", figure(
             figures_statistics.lag_response_curves(series),
             "How much ln L had changed in each span before an event. What comes late has it further back.")),

@@ -33,7 +33,7 @@ class Runs:
 
 
 @dataclass(frozen=True)
-class Prior:
+class Priors:
     """What is taken for likely before a recording is looked at."""
 
     base_log_sd: float = 0.5
@@ -75,7 +75,7 @@ class ModelError:
 
 
 @dataclass(frozen=True)
-class Fit:
+class SimulationFit:
     """A fit by simulation (Gauss and Newton's method)."""
 
     longest_step: float = 0.8
@@ -248,10 +248,10 @@ class SearchSettings:
     """All numbers that steer a search."""
 
     runs: Runs = field(default_factory=Runs)
-    prior: Prior = field(default_factory=Prior)
+    prior: Priors = field(default_factory=Priors)
     derivatives: Derivatives = field(default_factory=Derivatives)
     model_error: ModelError = field(default_factory=ModelError)
-    fit: Fit = field(default_factory=Fit)
+    fit: SimulationFit = field(default_factory=SimulationFit)
     score_test: ScoreTest = field(default_factory=ScoreTest)
     trials: Trials = field(default_factory=Trials)
     proof: Proof = field(default_factory=Proof)

@@ -168,5 +168,5 @@ def test_an_effect_of_which_the_held_out_pixels_have_less_is_named() -> None:
 def test_the_same_data_give_the_same_verdict() -> None:
     data = response(DEAD_TIME.on(BASE, (900.0,)))
     first, again = asked(data), asked(data)
-    assert first.hypothesis.shift == again.model.shift
+    assert first.hypothesis.shift == again.hypothesis.shift
     np.testing.assert_array_equal(first.steps[0].scores, again.steps[0].scores)
