@@ -2,12 +2,11 @@
 
 from typing import Any
 
-from voltcam_server.request_body import REASONS
-
 from voltcam_server.access import AccessSettings, SourceRules, Tokens
 from voltcam_server.api import Access, create_app
 from voltcam_server.cameras import Cameras
 from voltcam_server.reload import ReloadAnswer
+from voltcam_server.request_body import REASONS
 
 from .markdown import name, plain, sentence, table
 from .schema import TO_PARAMETERS, Schema, fields, kind

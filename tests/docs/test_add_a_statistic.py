@@ -6,19 +6,21 @@ from .follow import follow
 
 REPORT = """
 from tests.lab.diagnosis.made_rig import CATALOGUE, START, MadeRig, response
-from voltcam_lab.battery import LABELS
-from voltcam_lab.diagnosis.figures_battery import gap_by_group
-from voltcam_lab.diagnosis.loop import diagnose
-from voltcam_lab.diagnosis.model import Model
-from voltcam_lab.diagnosis.where import gap_by_group as gaps, plain, ranked, views
+from voltcam_lab.statistics import LABELS
+from voltcam_lab.diagnosis.outcome.figures_statistics import group_gap_bars
+from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
+from voltcam_lab.diagnosis.search.loop import diagnose
+from voltcam_lab.diagnosis.search.state import Search
+from voltcam_lab.diagnosis.outcome.where import gaps_by_group, label_in_words, ranked, views
 
 rig = MadeRig()
 data = response(START) + rig.noise(1)
-found = diagnose(rig, data, Model(START), CATALOGUE, print)
-[view] = views(rig, found, data).values()
-own = [plain(LABELS[i]) for i in ranked(view, data).order() if LABELS[i].group == "K"]
+search = Search(rig, data, CATALOGUE, say=print)
+found = diagnose(search, Hypothesis(START))
+[view] = views(search, found).values()
+own = [label_in_words(LABELS[i]) for i in ranked(view, data).order() if LABELS[i].group == "K"]
 print(len(own), own[0])
-drawn = gap_by_group({"model": gaps(view, data)})
+drawn = group_gap_bars({"model": gaps_by_group(view, data)})
 print([one.get_text() for one in drawn.axes[0].get_xticklabels()])
 """
 

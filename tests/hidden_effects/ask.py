@@ -9,11 +9,13 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict
 
 from voltcam_client.formats import FormatError, Recording
-from voltcam_lab.diagnosis.catalogue.catalogue import Candidate
-from voltcam_lab.diagnosis.outcome.conclude import intervals
+from voltcam_lab.diagnosis.catalogue.candidate import Candidate
+from voltcam_lab.diagnosis.outcome.conclude import size_estimates
 from voltcam_lab.diagnosis.outcome.result import Estimate
 from voltcam_lab.diagnosis.rig.rig import Rig
+from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
 from voltcam_lab.diagnosis.search.loop import Diagnosis, diagnose
+from voltcam_lab.diagnosis.search.state import Search
 from voltcam_lab.diagnosis.session import DiagnosisError, session_of
 from voltcam_lab.health import inspect
 from voltcam_lab.recordings import with_frames
@@ -87,7 +89,7 @@ def ask(question: Question) -> Verdict:
         return Verdict(verdict="refused", reason=str(error))
     rig = Rig(session.rig.setting)
     candidates = _sabotaged(session.candidates, question)
-    diagnosis = diagnose(rig, session.data, session.model, candidates, lambda _: None)
+    diagnosis = diagnose(Search(rig, session.data, candidates), Hypothesis(session.parameters))
     return _verdict(diagnosis)
 
 
@@ -107,7 +109,7 @@ def _verdict(diagnosis: Diagnosis) -> Verdict:
         Named(
             name=found.effect,
             rivals=found.rivals,
-            parameters=intervals(diagnosis, found.trial.candidate),
+            parameters=size_estimates(diagnosis, found.trial.candidate),
         )
         for found in diagnosis.found
     )

@@ -3,7 +3,7 @@
 import argparse
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -16,17 +16,22 @@ from voltcam_simulator import Camera, camera_names
 from ..health import inspect
 from ..pages.page import write
 from ..recordings import load
+from .catalogue.entries import ENTRIES
+from .catalogue.entry import Entry
 from .outcome.conclude import camera_of, result_of
 from .outcome.report import page_of
 from .rig.workers import cores
 from .search.excess import own_effects, without_excess
+from .search.hypothesis import Hypothesis
 from .search.identify import identify, short
-from .search.loop import Report, diagnose
+from .search.loop import diagnose
+from .search.settings import DEFAULTS, SearchSettings
+from .search.state import Say, search_of
 from .session import MOST_SECONDS, DiagnosisError, Session, session_of
 
-RUNS = ".voltcam-runs"  # in --out, until all is done
+RUNS_FOLDER = ".voltcam-runs"  # in --out, until all is done
 LINE_PERIOD_S = 10.0
-BAR = "{desc:<34} {percentage:3.0f}% |{bar:24}| {n_fmt} of {total_fmt} simulations {elapsed}"
+SIMULATIONS_BAR = "{desc:<34} {percentage:3.0f}% |{bar:24}| {n_fmt} of {total_fmt} simulations {elapsed}"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -61,18 +66,20 @@ After Ctrl-C the same command goes on from where it was."""
     parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(
+    arguments: argparse.Namespace, settings: SearchSettings = DEFAULTS, entries: Sequence[Entry] = ENTRIES
+) -> int:
     """Diagnose, with a bar on standard error; what is found goes to standard output as it is found."""
     camera = Camera.load(arguments.camera)
     if arguments.out.exists() and not arguments.out.is_dir():
         raise DiagnosisError(f"{arguments.out} is a file: give a folder as --out")
-    runs = arguments.out / RUNS
+    runs = arguments.out / RUNS_FOLDER
     try:
-        with tqdm(total=0, disable=None, leave=False, bar_format=BAR) as bar:
+        with tqdm(total=0, disable=None, leave=False, bar_format=SIMULATIONS_BAR) as bar:
             say = partial(_say, bar=bar)
-            session = _ready(arguments, camera, runs, say, bar)
+            session = _ready(arguments, camera, runs, say, bar, settings, entries)
             bar.set_description_str("What this recording can tell")
-            _diagnose(session, arguments.out, say)
+            _diagnose(session, arguments.out, say, settings)
     except KeyboardInterrupt:
         sys.stderr.write(
             f"voltcam: stopped; what was done is kept in {runs}: the same command goes on from there\n"
@@ -83,7 +90,13 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _ready(
-    arguments: argparse.Namespace, camera: Camera, runs: Path, say: Report, bar: "tqdm[Any]"
+    arguments: argparse.Namespace,
+    camera: Camera,
+    runs: Path,
+    say: Say,
+    bar: "tqdm[Any]",
+    settings: SearchSettings,
+    entries: Sequence[Entry],
 ) -> Session:
     """The recording and the camera file, less what of it the recording does not show."""
     inspection = inspect(load(arguments.recording))
@@ -91,14 +104,14 @@ def _ready(
     def ready(camera: Camera) -> Session:
         session = session_of(
             inspection, camera, runs, name=arguments.recording.absolute().name, seed=arguments.seed,
-            seconds=arguments.seconds, processes=cores(),
+            seconds=arguments.seconds, processes=cores(), entries=entries,
         )  # fmt: skip
         say(f"Looking at {session.looked_at()}.")
         _follow(session, bar)
         return session
 
     session = ready(camera)
-    bare = without_excess(session, say)
+    bare = without_excess(session, search_of(session, settings, say))
     if bare is None:
         return session
     session.rig.end()
@@ -111,11 +124,12 @@ def _say(text: str, bar: "tqdm[Any]") -> None:
     bar.set_description_str(text.strip().partition("\n")[0].partition(".")[0][:34])
 
 
-def _diagnose(session: Session, out: Path, say: Report) -> None:
-    told = identify(session.rig, session.model, session.candidates)
-    say(told.text() + "\n")
-    diagnosis = diagnose(session.rig, session.data, session.model, session.candidates, say, session.whole)
-    result = result_of(session, told, diagnosis)
+def _diagnose(session: Session, out: Path, say: Say, settings: SearchSettings) -> None:
+    search, start = search_of(session, settings, say), Hypothesis(session.parameters)
+    identifiability = identify(session.rig, start, session.candidates, settings)
+    say(identifiability.text() + "\n")
+    diagnosis = diagnose(search, start)
+    result = result_of(session, search, identifiability, diagnosis)
     say("\n" + result.sentence)
     for effect in result.effects:
         for parameter, size in effect.parameters.items():
@@ -126,7 +140,7 @@ def _diagnose(session: Session, out: Path, say: Report) -> None:
     texts: dict[str, Callable[[], str]] = {
         "result.json": lambda: result.model_dump_json(indent=2) + "\n",
         "camera.yaml": lambda: camera_of(session, diagnosis).to_yaml(),
-        "report.html": lambda: page_of(session, told, diagnosis, result),
+        "report.html": lambda: page_of(session, search, identifiability, diagnosis, result),
     }
     for file, text in texts.items():
         write(out / file, text())

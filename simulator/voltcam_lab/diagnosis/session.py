@@ -1,5 +1,6 @@
 """A recording made ready for diagnosis: what of it is looked at, and all that the search asks for."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,14 +15,14 @@ from ..light.between_frames import calm, frame_noise2, scene_between, untrusted_
 from ..light.scene import Scene
 from ..light.unrounded import unrounded
 from ..recordings import Footage
-from ..statistics import setting_of
-from .catalogue.catalogue import Asymmetry, Candidate, catalogue
-from .catalogue.clues import clues, in_step
+from ..statistics import Values, setting_of
+from .catalogue.candidate import Candidate
+from .catalogue.clues import Clues
+from .catalogue.entries import ENTRIES, event_delay_us
+from .catalogue.entry import Entry
 from .rig.clock import counted_from, origin_us
 from .rig.part import MOST_SAMPLES, cut, in_columns, sample
-from .rig.rig import Values
 from .rig.stored import StoredRig
-from .search.model import Model
 
 MOST_SECONDS = 10.0
 FEWEST_FRAMES, FEWEST_EVENTS = 10, 50
@@ -35,7 +36,7 @@ class DiagnosisError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Session:
-    """All that `loop.diagnose` asks for, and what was looked at.
+    """All that a search asks for, and what was looked at.
 
     recording: of the sample only, x counted in `columns` (those of the sensor that it has). camera: as given,
     of the recording's size. left_out: effects that are in the camera file, or cannot show in the sample.
@@ -57,13 +58,13 @@ class Session:
     taken_out: tuple[str, ...] = ()
 
     @property
-    def model(self) -> Model:
-        """Where the search starts."""
-        return self.model_of(self.camera.parameters)
+    def parameters(self) -> Parameters:
+        """The camera file's, on the clock of the diagnosis: where the search starts."""
+        return self.on_clock(self.camera.parameters)
 
-    def model_of(self, parameters: Parameters) -> Model:
-        """A camera file's parameters."""
-        return Model(counted_from(parameters, self.origin_us))
+    def on_clock(self, parameters: Parameters) -> Parameters:
+        """A camera file's parameters on the clock of the diagnosis."""
+        return counted_from(parameters, self.origin_us)
 
     @property
     def seconds(self) -> float:
@@ -100,8 +101,10 @@ class Session:
 def session_of(
     inspection: Inspection, camera: Camera, folder: Path, *, name: str = "the recording", seed: int = 0,
     seconds: float = MOST_SECONDS, most_samples: int = MOST_SAMPLES, processes: int = 1,
+    entries: Sequence[Entry] = ENTRIES,
 ) -> Session:  # fmt: skip
-    """Make a recording that was inspected ready; runs go to `folder`, made by so many processes.
+    """Make a recording that was inspected ready; runs go to `folder`, made by so many processes. entries:
+    the catalogue of effects that are looked for.
 
     Raises DiagnosisError where a diagnosis makes no sense.
     """
@@ -118,7 +121,7 @@ def session_of(
     camera = camera.model_copy(update={"width": recording.width, "height": recording.height})
     parameters = counted_from(camera.parameters, origin)
     columns = sample(recording, most_samples, parameters.longest_step_us)
-    scene = seen(recording.frames, recording.frame_t_us, columns)
+    scene = best_scene(recording.frames, recording.frame_t_us, columns)
     part = in_columns(recording, columns)
     setting = setting_of(scene, recording.frame_t_us, None, recording.exposure_us, parameters)
     rig = StoredRig(setting, folder, seed, processes=processes)
@@ -128,22 +131,24 @@ def session_of(
             f"{name}: of {len(part.events)} events {known} are where the light between frames is known: take "
             "frames more often, or move slower"
         )
+    clues = Clues(setting, part.events, inspection.row_time_us, event_delay_us(parameters))
     wanted: list[Candidate] = []
     left_out: list[Candidate] = []
-    for one in catalogue(clues(setting, part.events, inspection.row_time_us)):
-        off_axis = one.effect == "vignetting" and len(columns) < recording.width
-        off = off_axis or _is_on(one, parameters)
-        if one.effect == "flicker" and not off:
-            one = in_step(rig, parameters, one, part.events)
-        (left_out if off else wanted).append(one)
+    for entry in entries:
+        hidden = entry.needs_all_columns and len(columns) < recording.width
+        for one in entry.candidates(clues):
+            if hidden or one.is_on(parameters):
+                left_out.append(one)
+            else:
+                wanted.append(entry.tuned(rig, parameters, one, part.events))
     return Session(
         name, part, camera, inspection.health, columns, rig, rig.observe(part.events), tuple(wanted),
         tuple(dict.fromkeys(one.effect for one in left_out)), seed, origin,
     )  # fmt: skip
 
 
-def seen(frames: NDArray[Any], t_us: NDArray[np.int64], columns: NDArray[np.int64]) -> Scene:
-    """The light between frames, by whichever way of filling in tells them best; of some columns."""
+def best_scene(frames: NDArray[Any], t_us: NDArray[np.int64], columns: NDArray[np.int64]) -> Scene:
+    """The light between frames in some columns, by the way of filling in that is trusted most often."""
     noise2 = frame_noise2(frames)
     if noise2 > NOISY_DN2:
         frames = calm(frames, noise2)
@@ -155,16 +160,6 @@ def seen(frames: NDArray[Any], t_us: NDArray[np.int64], columns: NDArray[np.int6
 def _may_wait(finding: Finding) -> bool:
     """Whether what looks like another clock may be events that queue: to tell these is for the diagnosis."""
     return isinstance(finding, EventsLate) and 0 < finding.late_us < LONGEST_WAIT_US
-
-
-def _is_on(candidate: Candidate, parameters: Parameters) -> bool:
-    """Whether the file has what the candidate would change."""
-    effect = getattr(parameters, candidate.effect)
-    if isinstance(candidate, Asymmetry) or not effect.active:
-        return False
-    off = type(effect)()
-    own = any(getattr(effect, name) != getattr(off, name) for name in candidate.names)
-    return own or bool(candidate.others)
 
 
 def _spans(columns: NDArray[np.int64]) -> str:

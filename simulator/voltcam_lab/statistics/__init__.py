@@ -1,4 +1,4 @@
-"""The battery: what is looked at in a recording to tell which physics is in it.
+"""The statistics that are taken of a recording to tell which physics is in it.
 
 `setting_of` divides a scene into parts and strata once; `observe` takes all statistics of a stream of events
 in it. The same is done with the events of a camera and with those of its simulated twins. A group of
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from voltcam_lab.statistics.first_passage import FIRST_PASSAGE
 from voltcam_lab.statistics.frame_phase import FRAME_PHASE
-from voltcam_lab.statistics.group import Group, Label
+from voltcam_lab.statistics.group import Group, Label, Values
 from voltcam_lab.statistics.inter_event_times import INTERVALS
 from voltcam_lab.statistics.lag_response import LAG_RESPONSE
 from voltcam_lab.statistics.neighbours import NEIGHBOURS
@@ -34,6 +34,7 @@ __all__ = [
     "Label",
     "Observation",
     "Setting",
+    "Values",
     "observe",
     "setting_of",
 ]

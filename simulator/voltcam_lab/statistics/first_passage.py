@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from voltcam_lab.statistics.group import MOTION, POLARITY, Group, Values, binned, labels, sums, tally
+from voltcam_lab.statistics.group import MOTION, POLARITY, Group, Values, bin_numbers, labels, sums, tally
 from voltcam_lab.statistics.inter_event_times import triples
 from voltcam_lab.statistics.setting import Setting
 from voltcam_lab.statistics.strata import INTENSITIES, INTENSITY_NAMES, SLOPE_NAMES, SLOPES
@@ -29,11 +29,11 @@ from voltcam_lab.statistics.stream import NONE, Stream
 from voltcam_lab.statistics.trend import SLICES, TIME, slice_of
 from voltcam_simulator.kernel import kernel
 
-EDGES = (0.001, 0.02, 0.15, 0.5, 0.85, 0.98, 0.999)
-BINS = len(EDGES) + 1
+PROBABILITY_EDGES = (0.001, 0.02, 0.15, 0.5, 0.85, 0.98, 0.999)
+PROBABILITY_BINS = len(PROBABILITY_EDGES) + 1
 _PROBABILITY = (
     "probability",
-    tuple(f"{a:g} to {b:g}" for a, b in zip((0, *EDGES), (*EDGES, 1), strict=True)),
+    tuple(f"{a:g} to {b:g}" for a, b in zip((0, *PROBABILITY_EDGES), (*PROBABILITY_EDGES, 1), strict=True)),
 )
 _SPEED = ("speed", ("rest", "slow", "fast"))
 FLOOR = 0.1  # of a threshold: parameters that are off by a third must not drive the scores to their limits
@@ -49,7 +49,7 @@ _LABELS = (
 )
 
 
-def observe(setting: Setting, stream: Stream) -> Values:
+def observe_first_passage(setting: Setting, stream: Stream) -> Values:
     """The excess is the score (M - theta)/s; only intervals that begin with the same polarity count."""
     law = law_of(setting)
     probability, excess = np.empty(len(stream.t_us)), np.empty(len(stream.t_us))
@@ -59,14 +59,14 @@ def observe(setting: Setting, stream: Stream) -> Values:
     same = (stream.interval_us != NONE) & (stream.on[stream.former] == stream.on)
     score = np.where(same, np.clip(excess, -_CLIP, _CLIP), 0.0)
     part, kind = stream.part, 2 * stream.moving + stream.on
-    bins = binned(probability, EDGES)
+    bins = bin_numbers(probability, PROBABILITY_EDGES)
     speed = 3 * stream.on + np.array([2, 1, 1, 1, 2, 0])[stream.slope]
     third = triples(stream)
     cell = (same * 6 + speed) * INTENSITIES + stream.intensity
     own = about_mean(part, cell, score, 12 * INTENSITIES)
     time = np.where(stream.moving == 1, -1, stream.on * SLICES + slice_of(setting, stream))
     return np.hstack([
-        tally(part, np.where(same, kind * BINS + bins, -1), 4 * BINS),
+        tally(part, np.where(same, kind * PROBABILITY_BINS + bins, -1), 4 * PROBABILITY_BINS),
         sums(part, kind * INTENSITIES + stream.intensity, score, 4 * INTENSITIES),
         sums(part, stream.on * SLOPES + stream.slope, score, 2 * SLOPES),
         sums(part, time, score, 2 * SLICES),
@@ -118,4 +118,4 @@ def transform(
             probability[i] += math.exp(min(2 * mean * theta / variance, 700.0)) * late
 
 
-FIRST_PASSAGE = Group("J", _LABELS, observe)
+FIRST_PASSAGE = Group("J", _LABELS, observe_first_passage)

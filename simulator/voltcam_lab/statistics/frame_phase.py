@@ -18,9 +18,9 @@ _LABELS = (
 )
 
 
-def observe(setting: Setting, stream: Stream) -> Values:
+def observe_frame_phase(setting: Setting, stream: Stream) -> Values:
     """What the camera's own frames do to its events stands at one phase, or runs down the rows."""
-    phase = phases(setting, stream)
+    phase = frame_phase_of(setting, stream)
     kind = 2 * stream.moving + stream.on
     band = stream.pixel // setting.scene.width * ROW_BANDS // setting.scene.height
     fine = tally(stream.part, kind * FINE + (phase * FINE).astype(np.int64), 4 * FINE)
@@ -29,7 +29,7 @@ def observe(setting: Setting, stream: Stream) -> Values:
     return np.hstack([coarse, by_row, crowding(fine.reshape(PARTS, 4, FINE))])
 
 
-def phases(setting: Setting, stream: Stream) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def frame_phase_of(setting: Setting, stream: Stream) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     """(n,) in [0, 1): time since the last frame began, in frame periods."""
     starts_us = setting.frame_starts_us
     frame = np.maximum(np.searchsorted(starts_us, stream.t_us, side="right") - 1, 0)
@@ -44,4 +44,4 @@ def crowding(n: Values) -> Values:
     return pairs
 
 
-FRAME_PHASE = Group("F", _LABELS, observe)
+FRAME_PHASE = Group("F", _LABELS, observe_frame_phase)

@@ -60,12 +60,12 @@ def labels(
 
 
 def classes(edges: tuple[float, ...], unit: str) -> tuple[str, ...]:
-    """Names of the bins that `binned` numbers."""
+    """Names of the bins that `bin_numbers` numbers."""
     inner = [f"{low:g} to {high:g} {unit}" for low, high in pairwise(edges)]
     return (f"below {edges[0]:g} {unit}", *inner, f"from {edges[-1]:g} {unit}")
 
 
-def binned(x: NDArray[Any], edges: tuple[float, ...]) -> NDArray[np.int64]:
+def bin_numbers(x: NDArray[Any], edges: tuple[float, ...]) -> NDArray[np.int64]:
     """(n,) how many edges each is at or above, as np.searchsorted counts, but faster for a few edges."""
     bins = np.zeros(x.size, np.int64)
     _bin(x, np.array(edges, np.float64), bins)

@@ -19,7 +19,7 @@ _LABELS = labels(
 )
 
 
-def observe(setting: Setting, stream: Stream) -> Values:
+def observe_lag_response(setting: Setting, stream: Stream) -> Values:
     """Sum over events of +-1 times the change of ln(L + k2) in a span of time before it: ON +, OFF -."""
     table = np.zeros((PARTS, INTENSITIES, LAGS))
     place = setting.place[stream.pixel]
@@ -53,4 +53,4 @@ def add_changes(
             later = level
 
 
-LAG_RESPONSE = Group("H", _LABELS, observe)
+LAG_RESPONSE = Group("H", _LABELS, observe_lag_response)

@@ -6,13 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voltcam_lab.statistics.group import MOTION, POLARITY, Group, Values, classes, labels, tally
-from voltcam_lab.statistics.pixels import counts, expected, scores
+from voltcam_lab.statistics.pixels import counts, expected, pixel_scores
 from voltcam_lab.statistics.setting import PARTS, Setting
 from voltcam_lab.statistics.stream import Stream
 from voltcam_simulator.kernel import kernel
 
 EDGES_MS = (0.002, 0.2, 1.0, 5.0)
-BINS = len(EDGES_MS)  # what is later than the last is left out
+LAG_BINS = len(EDGES_MS)  # what is later than the last is left out
 RINGS = 3
 _PAIR = ("neighbour", ("other polarity", "same polarity"))
 _LINES = ("lines", ("rows", "columns"))
@@ -27,7 +27,7 @@ _LABELS = (
 )
 
 
-def observe(setting: Setting, stream: Stream) -> Values:
+def observe_neighbours(setting: Setting, stream: Stream) -> Values:
     """Crosstalk: a neighbour fires too, at rest as well. Rows that differ: the readout. Rings: the lens."""
     rings = ring_of(setting)[stream.pixel]
     return np.hstack([
@@ -105,11 +105,11 @@ def _lines(setting: Setting, stream: Stream) -> Values:
 
 def _spread(line: NDArray[np.int64], n: NDArray[np.float64], e: NDArray[np.float64]) -> float:
     observed, wanted = _by_line(line, n), _by_line(line, e)
-    return float((scores(observed, wanted) ** 2).sum())
+    return float((pixel_scores(observed, wanted) ** 2).sum())
 
 
 def _by_line(line: NDArray[np.int64], weight: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.bincount(line, weight).astype(np.float64)
 
 
-NEIGHBOURS = Group("I", _LABELS, observe)
+NEIGHBOURS = Group("I", _LABELS, observe_neighbours)

@@ -39,7 +39,7 @@ _LABELS = (
 )
 
 
-def observe(setting: Setting, stream: Stream) -> Values:
+def observe_pixels(setting: Setting, stream: Stream) -> Values:
     """Mismatch lasts and shows while moving; leak spread at rest; hot pixels stand out; dead are silent."""
     n = counts(stream, setting.place, len(setting.pixels))
     tile = setting.tiles.ravel()[setting.pixels]
@@ -72,7 +72,7 @@ def expected(n: NDArray[np.float64], path: NDArray[np.float64]) -> NDArray[np.fl
     return wanted
 
 
-def scores(n: NDArray[np.float64], e: NDArray[np.float64]) -> NDArray[np.float64]:
+def pixel_scores(n: NDArray[np.float64], e: NDArray[np.float64]) -> NDArray[np.float64]:
     """How far above expectation, about 1 in spread where events come at random."""
     score: NDArray[np.float64] = (n - e) / np.sqrt(e + 1)
     return score
@@ -81,10 +81,10 @@ def scores(n: NDArray[np.float64], e: NDArray[np.float64]) -> NDArray[np.float64
 def _of_part(n: NDArray[np.float64], path: NDArray[np.float64]) -> NDArray[np.float64]:
     """The statistics of one part; n (2 halves, KINDS, pixels), path (2, 3, pixels)."""
     e = expected(n, path)
-    d = np.clip(scores(n, e), -_CLIP, _CLIP)
+    d = np.clip(pixel_scores(n, e), -_CLIP, _CLIP)
     products = [(d[0, i] * d[1, j] + d[0, j] * d[1, i]).sum() / 2 for i, j in PRODUCTS]
     n, e = n.sum(axis=0), e.sum(axis=0)
-    whole = scores(n, e)
+    whole = pixel_scores(n, e)
     spread = (np.clip(whole, -_CLIP, _CLIP) ** 2).sum(axis=1)
     high = [(one > limit).sum() for one in whole[::2] for limit in HIGH]
     low = [(one < limit).sum() for one in whole[:2] for limit in LOW]
@@ -94,4 +94,4 @@ def _of_part(n: NDArray[np.float64], path: NDArray[np.float64]) -> NDArray[np.fl
     return np.array([*products, *spread, *high, *low, *silent, lacking])
 
 
-PIXELS = Group("C", _LABELS, observe)
+PIXELS = Group("C", _LABELS, observe_pixels)

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from voltcam_lab.statistics.group import Group, Values, binned, classes, labels, tally
+from voltcam_lab.statistics.group import Group, Values, bin_numbers, classes, labels, tally
 from voltcam_lab.statistics.setting import PARTS, Setting
 from voltcam_lab.statistics.stream import Stream
 from voltcam_simulator.kernel import kernel
@@ -29,12 +29,12 @@ _LABELS = (
 )
 
 
-def observe(setting: Setting, stream: Stream) -> Values:
+def observe_readout(setting: Setting, stream: Stream) -> Values:
     """A busy bus leaves no short gaps between pixels; overflow leaves long ones; a clock has ticks."""
     part, t_us, row = stream.part, stream.t_us, stream.pixel // setting.scene.width
-    gap = binned(since(t_us, np.zeros_like(row), 1), GAPS_US)
-    row_gap = binned(since(t_us, row, setting.scene.height), ROW_GAPS_US)
-    crowd = binned(runs(t_us // WINDOW_US), CROWDS)
+    gap = bin_numbers(since(t_us, np.zeros_like(row), 1), GAPS_US)
+    row_gap = bin_numbers(since(t_us, row, setting.scene.height), ROW_GAPS_US)
+    crowd = bin_numbers(runs(t_us // WINDOW_US), CROWDS)
     return np.hstack([
         tally(part, gap, len(GAPS_US) + 1),
         tally(part, row_gap, len(ROW_GAPS_US) + 1),
@@ -101,4 +101,4 @@ def since(t_us: Any, lane: Any, lanes: Any) -> Any:
     return gap
 
 
-READOUT = Group("D", _LABELS, observe)
+READOUT = Group("D", _LABELS, observe_readout)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voltcam_lab.light.scene import Scene
-from voltcam_lab.statistics.strata import INTENSITIES, SLOPES, Strata, strata_of
+from voltcam_lab.statistics.strata import INTENSITIES, SLOPES, LightStrata, light_strata
 from voltcam_simulator import Parameters
 from voltcam_simulator.kernel import kernel
 
@@ -41,7 +41,7 @@ class Setting:
     """(H W,) where in `pixels` a pixel is, or -1."""
     log_light: NDArray[np.float32]
     """(K, N) ln(L + k2)."""
-    strata: Strata
+    strata: LightStrata
     seconds: NDArray[np.float64]
     """(PARTS, INTENSITIES, SLOPES) pixel-seconds spent in each stratum."""
     path: NDArray[np.float64]
@@ -78,7 +78,7 @@ def setting_of(
     place[pixels] = np.arange(len(pixels))
     light = scene.images.reshape(len(scene.t_us), size)[:, pixels].T
     log_light = np.log(light + np.float32(parameters.contrast_response.k2_dn), order="C")
-    strata = strata_of(light, log_light, scene.t_us)
+    strata = light_strata(light, log_light, scene.t_us)
     edges_us = block_edges_us(int(frame_t_us[0]), int(scene.t_us[0]), int(scene.t_us[-1]), period_us)
     tiles = checkerboard(scene.height, scene.width)
     seconds, path, bustle = spent(

@@ -1,4 +1,4 @@
-"""Strata: how bright a pixel is, and how its brightness changes, over each step of the scene."""
+"""LightStrata: how bright a pixel is, and how its brightness changes, over each step of the scene."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -26,7 +26,7 @@ _LULL_SHARE = 0.1  # of the speed that divides slow from fast
 
 
 @dataclass(frozen=True, eq=False)
-class Strata:
+class LightStrata:
     """index (K, N - 1) uint8: intensity class x SLOPES + slope class of each pixel and step."""
 
     index: NDArray[np.uint8]
@@ -35,8 +35,10 @@ class Strata:
     """|d ln(L + k2)/dt| above which half of the change of brightness happens [1/s]."""
 
 
-def strata_of(light: NDArray[np.float32], log_light: NDArray[np.float32], t_us: NDArray[np.int64]) -> Strata:
-    """Strata of K pixels at N instants: light (K, N) [DN], log_light (K, N), t_us (N,)."""
+def light_strata(
+    light: NDArray[np.float32], log_light: NDArray[np.float32], t_us: NDArray[np.int64]
+) -> LightStrata:
+    """LightStrata of K pixels at N instants: light (K, N) [DN], log_light (K, N), t_us (N,)."""
     some = slice(None, None, max(1, light.size // 2_000_000))
     edges_dn = np.quantile(light[some], _SHARES).astype(np.float64)
     edges = np.interp(edges_dn, np.sort(light[some], axis=None), np.sort(log_light[some], axis=None))
@@ -46,7 +48,7 @@ def strata_of(light: NDArray[np.float32], log_light: NDArray[np.float32], t_us: 
     fast_per_s = weighted_median(change / span_s, change) if change.sum() > 0 else 1.0
     index = np.empty(resting.shape, np.uint8)
     classify(log_light, t_us, edges, fast_per_s, _LULL_SHARE * fast_per_s, resting, SLOPES, index)
-    return Strata(index, edges_dn, fast_per_s)
+    return LightStrata(index, edges_dn, fast_per_s)
 
 
 def weighted_median(values: NDArray[Any], weights: NDArray[Any]) -> float:

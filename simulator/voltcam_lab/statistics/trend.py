@@ -12,7 +12,7 @@ TIME = ("time", tuple(f"{k + 1}/{SLICES}" for k in range(SLICES)))
 _LABELS = labels("G", "events at rest", "count", POLARITY, TIME)
 
 
-def observe(setting: Setting, stream: Stream) -> Values:
+def observe_trend(setting: Setting, stream: Stream) -> Values:
     """A camera that warms up gives more and more ON at rest, and no more OFF."""
     index = stream.on * SLICES + slice_of(setting, stream)
     return tally(stream.part, np.where(stream.moving == 1, -1, index), len(_LABELS))
@@ -25,4 +25,4 @@ def slice_of(setting: Setting, stream: Stream) -> NDArray[np.int64]:
     return number
 
 
-TREND = Group("G", _LABELS, observe)
+TREND = Group("G", _LABELS, observe_trend)

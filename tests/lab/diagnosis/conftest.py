@@ -1,7 +1,5 @@
 """A small recording with a strong effect hidden in it, and its diagnosis with few twins and candidates."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,28 +7,28 @@ import numpy as np
 import pytest
 from tests.generator import draw_base, draw_effect, draw_scene, record
 
-from voltcam_lab.diagnosis.catalogue.catalogue import Candidate, catalogue
-from voltcam_lab.diagnosis.search import step
+from voltcam_lab.diagnosis.catalogue.entries import ENTRIES
+from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
 from voltcam_lab.diagnosis.search.identify import Identifiability, identify
 from voltcam_lab.diagnosis.search.loop import Diagnosis, diagnose
+from voltcam_lab.diagnosis.search.settings import Runs, SearchSettings
+from voltcam_lab.diagnosis.search.state import Search, search_of
 from voltcam_lab.diagnosis.session import Session, session_of
 from voltcam_lab.health import inspect
 from voltcam_lab.recordings import Footage, load
 from voltcam_simulator import Camera
 
-FEW_TWINS = range(1000, 1008)
+FEW_RUNS = SearchSettings(runs=Runs(twins=range(1000, 1008), rough_twins=range(500, 504)))
 WANTED = {"refractory_period", "hot_pixels", "comparator", "leak_mismatch", "vignetting"}
-
-
-def few(*arguments: object) -> tuple[Candidate, ...]:
-    """In place of `catalogue`: enough to be wrong with."""
-    return tuple(one for one in catalogue(*arguments) if one.effect in WANTED)  # type: ignore[arg-type]
+FEW_ENTRIES = tuple(entry for entry in ENTRIES if entry.effect in WANTED)
+"""Of the catalogue: enough to be wrong with."""
 
 
 @dataclass(frozen=True, eq=False)
 class Done:
     session: Session
-    told: Identifiability
+    search: Search
+    identifiability: Identifiability
     diagnosis: Diagnosis
     sentences: list[str]
 
@@ -53,22 +51,11 @@ def tiny(tiny_path: Path) -> Footage:
     return load(tiny_path)
 
 
-@contextmanager
-def quick_search() -> Iterator[None]:
-    """The search with fewer runs and fewer candidates."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(step, "TWINS", FEW_TWINS)
-        patch.setattr(step, "COARSE", range(500, 504))
-        patch.setattr("voltcam_lab.diagnosis.session.catalogue", few)
-        yield patch
-
-
 @pytest.fixture(scope="session")
 def done(tiny: Footage, tmp_path_factory: pytest.TempPathFactory) -> Done:
     folder = tmp_path_factory.mktemp("done") / ".voltcam-runs"
+    session = session_of(inspect(tiny), Camera.load("paper"), folder, name="tiny.npz", entries=FEW_ENTRIES)
     sentences: list[str] = []
-    with quick_search():
-        session = session_of(inspect(tiny), Camera.load("paper"), folder, name="tiny.npz")
-        told = identify(session.rig, session.model, session.candidates, FEW_TWINS)
-        diagnosis = diagnose(session.rig, session.data, session.model, session.candidates, sentences.append)
-    return Done(session, told, diagnosis, sentences)
+    search, start = search_of(session, FEW_RUNS, sentences.append), Hypothesis(session.parameters)
+    identifiability = identify(session.rig, start, session.candidates, FEW_RUNS)
+    return Done(session, search, identifiability, diagnose(search, start), sentences)

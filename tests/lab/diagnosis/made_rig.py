@@ -1,19 +1,21 @@
-"""A rig without a simulator: what the battery sees is a formula, so that the search is tested alone."""
+"""A rig without a simulator: the statistics are a formula, so that the search is tested alone."""
 
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from voltcam_lab.diagnosis.catalogue.catalogue import Candidate
-from voltcam_lab.diagnosis.rig.rig import Rig, Values
-from voltcam_lab.diagnosis.search.model import BASE
-from voltcam_lab.statistics import FLOORS, PARTS
-from voltcam_simulator import Parameters
+from voltcam_lab.diagnosis.catalogue.candidate import Candidate
+from voltcam_lab.diagnosis.catalogue.clues import Clues
+from voltcam_lab.diagnosis.rig.rig import Rig
+from voltcam_lab.diagnosis.search.hypothesis import BASE
+from voltcam_lab.light.scene import scene_of
+from voltcam_lab.statistics import FLOORS, PARTS, Values, setting_of
+from voltcam_simulator import EVENT, Parameters
 
 START = Parameters.of("paper")
 N = len(FLOORS)
 PATTERNS = np.random.default_rng(7).standard_normal((12, PARTS, N)) * np.maximum(FLOORS, 1)
-"""Directions in what the battery sees: the first six are those of the base parameters."""
+"""Directions in the statistics: the first six are those of the base parameters."""
 
 DEAD_TIME = Candidate("refractory_period", ("period_us",), ((700.0,), (3000.0,)))
 MISMATCH = Candidate("threshold_mismatch", ("sigma",), ((0.1,),))
@@ -50,3 +52,19 @@ class MadeRig(Rig):
 
     def noise(self, seed: int) -> Values:
         return np.random.default_rng(seed).standard_normal((PARTS, N)) * np.maximum(FLOORS, 1)
+
+
+def made_clues() -> Clues:
+    """Of 6 s of 48 x 36 pixels with an event in each 20 us."""
+    t_us = np.arange(0, 6_000_001, 40_000)
+    scene = scene_of(np.full((len(t_us), 36, 48), 100, np.float32), t_us, "cubic")
+    events = np.zeros(300_000, EVENT)
+    events["t"] = np.arange(len(events)) * 20 + 1
+    return Clues(setting_of(scene, t_us, parameters=START), events, 35.25)
+
+
+def swaying() -> Rig:
+    """2 s of 16 x 12 pixels whose light goes up and down, 200 frames a second."""
+    t_us = np.arange(0, 2_000_001, 5000)
+    grey = 100 + 60 * np.sin(2e-6 * np.pi * t_us[:, None, None] + np.arange(16) * 0.4 + np.zeros((12, 1)))
+    return Rig(setting_of(scene_of(grey.astype(np.float32), t_us, "cubic"), t_us, parameters=START))

@@ -3,7 +3,6 @@
 import argparse
 import json
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,19 +12,19 @@ from voltcam_client.formats import FormatError
 from voltcam_lab.diagnosis import cli as cli_diagnose
 from voltcam_lab.diagnosis.outcome.conclude import result_of
 from voltcam_lab.diagnosis.outcome.result import Result
-from voltcam_lab.diagnosis.rig.rig import Rig, Values
-from voltcam_lab.diagnosis.search.identify import identify
+from voltcam_lab.diagnosis.rig.rig import Rig
 from voltcam_lab.diagnosis.session import DiagnosisError
+from voltcam_lab.statistics import Values
 from voltcam_simulator import Camera, Parameters
 
-from .conftest import FEW_TWINS, Done, quick_search
+from .conftest import FEW_ENTRIES, FEW_RUNS, Done
 
 
 def diagnose(*arguments: object) -> int:
     parser = argparse.ArgumentParser()
     cli_diagnose.configure(parser)
     parsed = parser.parse_args([str(one) for one in arguments])
-    return int(parsed.run(parsed))
+    return int(parsed.run(parsed, FEW_RUNS, FEW_ENTRIES))
 
 
 def test_interrupted_and_resumed_it_gives_the_same_result(
@@ -35,7 +34,6 @@ def test_interrupted_and_resumed_it_gives_the_same_result(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(cli_diagnose, "identify", partial(identify, twins=FEW_TWINS))
     monkeypatch.setattr(cli_diagnose, "cores", lambda: 1)  # so that the runs can be counted here
     simulate, simulated = Rig.run, list[tuple[object, ...]]()
 
@@ -47,19 +45,17 @@ def test_interrupted_and_resumed_it_gives_the_same_result(
 
     out = tmp_path / "out"
     monkeypatch.setattr(Rig, "run", interrupted)
-    with quick_search():
-        assert diagnose(tiny_path, "--camera", "paper", "--out", out) == 130
+    assert diagnose(tiny_path, "--camera", "paper", "--out", out) == 130
     assert "goes on from there" in capsys.readouterr().err
     kept = len(list((out / ".voltcam-runs").glob("*.npy")))
     assert kept >= 50
     assert not (out / "result.json").exists()
 
-    with quick_search():
-        assert diagnose(tiny_path, "--camera", "paper", "--out", out) == 0
+    assert diagnose(tiny_path, "--camera", "paper", "--out", out) == 0
     assert not (out / ".voltcam-runs").exists()
     said = capsys.readouterr().out
     result = Result.model_validate_json((out / "result.json").read_text())
-    straight = result_of(done.session, done.told, done.diagnosis)
+    straight = result_of(done.session, done.search, done.identifiability, done.diagnosis)
     assert result == straight
     assert len(simulated) > 100
     assert len(simulated) - len(set(simulated)) <= 3, "what was done before the interruption is done again"

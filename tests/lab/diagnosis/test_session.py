@@ -7,14 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from voltcam_lab.diagnosis.catalogue.catalogue import catalogue
-from voltcam_lab.diagnosis.rig.part import cut, sample
-from voltcam_lab.diagnosis.rig.rig import Rig
-from voltcam_lab.diagnosis.rig.stored import StoredRig
 from voltcam_lab.diagnosis.session import DiagnosisError, session_of
 from voltcam_lab.health import inspect
 from voltcam_lab.recordings import Footage, load
-from voltcam_simulator import EVENT, Camera, Parameters
+from voltcam_simulator import EVENT, Camera
 
 DATA = Path(os.environ.get("VOLTCAM_DATA", Path(__file__).parents[4] / "shared" / "data"))
 SEEDS = [1, 2]
@@ -56,17 +52,6 @@ def test_events_that_may_have_queued_are_looked_at(tiny: Footage, tmp_path: Path
     assert session.data.any()
 
 
-def test_a_camera_that_gives_no_events_yet_is_not_silent(tiny: Footage) -> None:
-    t_us = tiny.events["t"]
-    for kept in (t_us > 500_000, t_us < 1_500_000):
-        part = cut(replace(tiny, events=tiny.events[kept]), 10)
-        assert len(part.frames) == len(part.frame_t_us)
-        assert len(part.events) == kept.sum()
-        begin, end = part.events["t"][0] - part.frame_t_us[0], part.frame_t_us[-1] - part.events["t"][-1]
-        assert 0 <= min(begin, end) <= np.diff(part.frame_t_us).max()
-        assert np.ptp(part.frame_t_us) == pytest.approx(1_500_000, abs=10_000)
-
-
 def test_light_that_is_known_nowhere_tells_nothing(tiny: Footage, tmp_path: Path) -> None:
     """Each frame is another picture: between them there may have been anything."""
     noise = np.random.default_rng(1).integers(0, 255, (40, *tiny.frames.shape[1:]), np.uint8)
@@ -79,8 +64,8 @@ def test_of_a_street_pixels_at_rest_are_enough(tmp_path: Path) -> None:
     path = DATA / "davis346_street" / "davis346.aedat4"
     if not path.exists():
         pytest.skip("no davis346_street in ../shared/data or $VOLTCAM_DATA")
-    told = session_of(inspect(load(path)), PAPER, tmp_path).looked_at()
-    assert "is known for 96% of pixels and time, with 1.0% of the events" in told
+    words = session_of(inspect(load(path)), PAPER, tmp_path).looked_at()
+    assert "is known for 96% of pixels and time, with 1.0% of the events" in words
 
 
 def refused_after(recording: Footage, folder: Path) -> str:
@@ -124,11 +109,9 @@ def test_effects_of_the_camera_file_are_not_searched(tiny: Footage, tmp_path: Pa
 def test_what_the_file_has_of_an_effect_is_not_written_over(
     tiny: Footage,
     tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
     in_file: dict[str, dict[str, float]],
     not_searched: set[tuple[str, ...]],
 ) -> None:
-    monkeypatch.setattr("voltcam_lab.diagnosis.session.catalogue", catalogue)  # all of it
     (effect,) = in_file
     camera = PAPER.model_copy(update={"parameters": PAPER.parameters.changed(in_file)})
     all_names, names = (
@@ -149,8 +132,8 @@ def test_what_is_in_step_with_the_recording_s_clock_is_found_and_written_on_it(
     camera = PAPER.model_copy(update={"parameters": lit})
     here, there = (session_of(inspect(one), camera, tmp_path) for one in (tiny, later))
     assert (here.origin_us, there.origin_us) == (0, late)
-    assert here.model.start == lit
-    turns = there.model.start.flicker.phase_turns
+    assert here.parameters == lit
+    turns = there.parameters.flicker.phase_turns
     assert turns == pytest.approx(0.3)  # 403.2 periods later
 
 
@@ -165,70 +148,6 @@ def test_of_a_large_sensor_strips_of_whole_columns_are_looked_at(tiny: Footage, 
     np.testing.assert_array_equal(columns[again["x"]], mine["x"][: len(again)])
     assert "vignetting" in session.left_out
     assert "16 of 32 columns" in session.looked_at()
-
-
-@pytest.mark.parametrize(("lamp_hz", "columns"), [(100, 32), (1000, 18), (5000, 12)])
-def test_of_a_camera_that_takes_many_steps_less_is_looked_at(
-    tiny: Footage, lamp_hz: float, columns: int
-) -> None:
-    """A lamp of 1 kHz has the simulator stop every 62 us: 24 million steps of a pixel in 2 s."""
-    fast = PAPER.parameters.changed({"flicker": {"frequency_hz": lamp_hz, "depth": 0.1}})
-    assert len(sample(tiny, 10**9, fast.longest_step_us)) == columns
-
-
-def test_strips_are_where_most_and_where_little_changes(tiny: Footage) -> None:
-    frames = np.full((20, 24, 32), 100, np.uint8)
-    frames[::2, :, 8:14] = 50
-    columns = sample(replace(tiny, frames=frames), 20 * 24 * 12)
-    assert set(range(8, 12)) < set(columns.tolist())
-    assert len(set(columns.tolist()) - set(range(6, 18))) == 6
-
-
-def test_cut_leaves_events_and_frames_of_the_same_time(tiny: Footage) -> None:
-    part = cut(tiny, 0.5)
-    assert len(part.frames) == len(part.frame_t_us) == 101
-    assert part.events["t"].max() <= part.frame_t_us[-1] == 500_000
-
-
-def test_runs_are_kept_and_a_broken_one_is_made_anew(
-    tiny: Footage, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    session = session_of(inspect(tiny), PAPER, tmp_path / "runs")
-    parameters, made = Parameters.of("paper"), list[int]()
-    simulate = Rig.events
-
-    def counted(rig: Rig, parameters: Parameters, seeds: list[int], apart: bool = False) -> object:
-        made.extend(seeds)
-        return simulate(rig, parameters, seeds, apart)
-
-    monkeypatch.setattr(Rig, "events", counted)
-    first = session.rig.run(parameters, SEEDS)
-    np.testing.assert_array_equal(session.rig.run(parameters, SEEDS), first)
-    again = StoredRig(session.rig.setting, tmp_path / "runs")
-    np.testing.assert_array_equal(again.run(parameters, SEEDS), first)
-    assert len(made) == 2
-    (kept,) = (tmp_path / "runs").glob("*.npy")
-    kept.write_bytes(kept.read_bytes()[:100])
-    np.testing.assert_array_equal(session.rig.run(parameters, SEEDS), first)
-    assert len(made) == 4
-    assert (StoredRig(session.rig.setting, tmp_path / "runs", seed=1).run(parameters, SEEDS) != first).any()
-    session.rig.run(parameters.changed({"comparator": {"theta_on": 1.1}}), SEEDS)
-    assert len(made) == 8
-    session.rig.run(parameters, SEEDS, apart=True)
-    assert len(made) == 10
-    (tmp_path / "runs" / "diary.txt").touch()
-    session.rig.forget()
-    assert [path.name for path in (tmp_path / "runs").iterdir()] == ["diary.txt"]
-
-
-def test_progress_tells_of_each_batch_and_run(tiny: Footage, tmp_path: Path) -> None:
-    session = session_of(inspect(tiny), PAPER, tmp_path)
-    batches, ended = list[int](), list[int]()
-    session.rig.batch, session.rig.done = batches.append, ended.append
-    session.rig.means([PAPER.parameters], range(3))
-    session.rig.means([PAPER.parameters], range(3))  # remembered
-    assert batches == [3, 3]
-    assert sum(ended) == 6
 
 
 def test_the_clock_of_the_recording_does_not_matter(tiny: Footage, tmp_path: Path) -> None:

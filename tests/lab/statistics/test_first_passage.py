@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.statistics.first_passage import EDGES
+from voltcam_lab.statistics.first_passage import PROBABILITY_EDGES
 from voltcam_simulator import Parameters
 
 from .streams import PIXELS, Events, brightening, seen, still, stream
@@ -24,7 +24,7 @@ def test_brownian_intervals_have_even_probabilities() -> None:
     assert t_us.max() < 8_000_000  # else the short ones would be favoured
     setting = still(parameters=law)
     n = seen(setting, stream(t_us, np.arange(PIXELS)[:, None]), "J", "intervals", "ON", "rest")
-    p = np.diff([0, *EDGES, 1])
+    p = np.diff([0, *PROBABILITY_EDGES, 1])
     assert n.sum() == intervals_us.size
     assert (np.abs(n - n.sum() * p) < 4.5 * np.sqrt(n.sum() * p * (1 - p)) + 0.005 * n.sum()).all()
 

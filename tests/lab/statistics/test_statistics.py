@@ -1,4 +1,4 @@
-"""The battery as a whole: what the caller counts on."""
+"""All statistics together: what the caller counts on."""
 
 from dataclasses import replace
 

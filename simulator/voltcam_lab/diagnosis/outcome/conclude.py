@@ -8,15 +8,14 @@ import numpy as np
 from voltcam_simulator import Camera
 
 from ...statistics import COUNTS, LABELS
-from ..catalogue.advice import next_recording
-from ..catalogue.catalogue import TURNS, Asymmetry, Candidate, Lamp
-from ..rig.clock import counted_from, later_turns
+from ..catalogue.candidate import Candidate
+from ..catalogue.entries import in_words, next_recording
+from ..rig.clock import counted_from
+from ..search.hypothesis import BASE
 from ..search.identify import Identifiability
 from ..search.loop import Diagnosis, Found
-from ..search.model import BASE
-from ..search.proof import TOLERANCE
-from ..search.step import ALPHA, SIGNATURE, TWINS
-from ..search.trial import FITTING
+from ..search.settings import DEFAULTS, Reporting, SearchSettings
+from ..search.state import Search
 from ..session import Session
 from .result import (
     Detectable,
@@ -32,38 +31,42 @@ from .result import (
     Stratum,
     Versions,
 )
-from .where import Ranked, View, ranked, views
-
-MOST_STRATA = 50
-_90 = 1.645
-_SYSTEMATIC = 0.16  # of a size, for its form and the light: so 21 of 23 of the generator's are covered
-_BEYOND = 0.1  # false discovery rate
+from .where import Z_90, Ranked, View, ranked, views
 
 
-def result_of(session: Session, told: Identifiability, diagnosis: Diagnosis) -> Result:
-    """The result."""
-    seen = views(session.rig, diagnosis, session.data)
-    first, last = next(iter(seen.values())), [*seen.values()][-1]
-    effects = [_effect(diagnosis, found, session.origin_us) for found in diagnosis.found]
+def result_of(
+    session: Session, search: Search, identifiability: Identifiability, diagnosis: Diagnosis
+) -> Result:
+    """The result of a search in a session."""
+    settings, models = search.settings, views(search, diagnosis)
+    first, last = next(iter(models.values())), [*models.values()][-1]
+    effects = [_effect(diagnosis, found, session.origin_us, settings) for found in diagnosis.found]
     return Result(
         verdict=diagnosis.verdict,
-        sentence=sentence(diagnosis, first, last) + _far_off(diagnosis) + _taken_out(session),
+        sentence=(
+            sentence(diagnosis, first, last, settings)
+            + _far_from_file(diagnosis, settings)
+            + _taken_out(session)
+        ),
         effects=effects,
         residual=_residual(diagnosis),
-        where=_strata(ranked(first, session.data)),
-        where_after=_strata(ranked(last, session.data)),
+        where=_strata(ranked(first, search.data), settings.reporting),
+        where_after=_strata(ranked(last, search.data), settings.reporting),
         gap=Gap(before=first.held_out, after=last.held_out, floor=last.floor),
         identifiability=Identifiable(
             base=[
                 Known(name=f"{one.effect}.{one.name}", fixed=one.answer, sd=one.sd, mixed_with=one.mixed_with)
-                for one in told.base
+                for one in identifiability.base
             ],
             effects=[
                 Detectable(name=one.effect, parameter=one.name, size=one.size, unit=one.unit)
-                for one in told.effects
+                for one in identifiability.effects
             ],
         ),
-        seeds=Seeds(seed=session.seed, twins=list(TWINS), signatures=list(SIGNATURE), fitting=list(FITTING)),
+        seeds=Seeds(
+            seed=session.seed, twins=list(settings.runs.twins), signatures=list(settings.runs.signatures),
+            fitting=list(settings.runs.fitting),
+        ),
         versions=Versions(
             voltcam=metadata.version("voltcam"), numpy=np.__version__, python=platform.python_version()
         ),
@@ -71,22 +74,22 @@ def result_of(session: Session, told: Identifiability, diagnosis: Diagnosis) -> 
             recording=session.name, camera=session.camera.name, looked_at=session.looked_at(),
             seconds=session.seconds, columns=session.columns.tolist(),
             upsampling=str(session.rig.setting.scene.how), taken_out=list(session.taken_out),
-            not_searched=list(session.left_out), alpha=ALPHA,
+            not_searched=list(session.left_out), alpha=settings.score_test.alpha,
         ),
     )  # fmt: skip
 
 
 def camera_of(session: Session, diagnosis: Diagnosis) -> Camera:
     """The camera file with what was missing in it, of the recording's size."""
-    found = counted_from(diagnosis.model.parameters(), -session.origin_us)
+    found = counted_from(diagnosis.hypothesis.parameters(), -session.origin_us)
     return session.camera.model_copy(update={"parameters": found})
 
 
-def sentence(diagnosis: Diagnosis, first: View, last: View) -> str:
+def sentence(diagnosis: Diagnosis, first: View, last: View, settings: SearchSettings = DEFAULTS) -> str:
     """The verdict in one; first and last are models before and after."""
     gap = f"the gap to the measurement on held-out data {_fell(first, last)}"
     step, residual = diagnosis.steps[-1], diagnosis.residual
-    left = step.training - step.floor_training > TOLERANCE
+    left = step.excess > settings.proof.closed
     form = "" if residual is None else f" A term of unknown origin, {residual.formula}, explains part of it."
     if diagnosis.verdict == "effects":
         names = " and ".join(dict.fromkeys(_with_rivals(found) for found in diagnosis.found))
@@ -105,8 +108,8 @@ def sentence(diagnosis: Diagnosis, first: View, last: View) -> str:
     return f"Something is missing, and nothing in the catalogue explains it: {gap}{chance}.{near}{form}"
 
 
-def _far_off(diagnosis: Diagnosis) -> str:
-    if not (off := diagnosis.model.far_off):
+def _far_from_file(diagnosis: Diagnosis, settings: SearchSettings) -> str:
+    if not (off := diagnosis.hypothesis.far_from_file(settings)):
         return ""
     times = " and ".join(
         f"{name} is {times:.2g} times what the camera file says" for name, times in off.items()
@@ -124,48 +127,29 @@ def _taken_out(session: Session) -> str:
     return f" Taken out of the camera file, as the recording is better explained without: {names}."
 
 
-def in_words(effect: str) -> str:
-    """An effect's registry name for a sentence."""
-    return {"comparator": "unequal thresholds", "readout": "readout saturation"}.get(
-        effect, effect.replace("_", " ")
-    )
-
-
-def intervals(diagnosis: Diagnosis, candidate: Candidate, origin_us: int = 0) -> dict[str, Estimate]:
+def size_estimates(
+    diagnosis: Diagnosis, candidate: Candidate, origin_us: int = 0, settings: SearchSettings = DEFAULTS
+) -> dict[str, Estimate]:
     """Of an accepted effect's sizes, by its own parameters' names, on a clock whose zero the diagnosis has at
     -origin_us."""
-    place, model = len(BASE), diagnosis.model
+    place, hypothesis = len(BASE), diagnosis.hypothesis
     sizes = next(
-        place + sum(len(size) for _, size in model.accepted[:k]) + np.arange(len(candidate.names))
-        for k, (one, _) in enumerate(model.accepted)
+        place + sum(len(size) for _, size in hypothesis.accepted[:k]) + np.arange(len(candidate.names))
+        for k, (one, _) in enumerate(hypothesis.accepted)
         if (one.effect, one.names) == (candidate.effect, candidate.names)
     )
     assert diagnosis.covariance is not None
-    sd = np.sqrt(np.diag(diagnosis.covariance)[sizes] + _SYSTEMATIC**2)
-    effect = getattr(model.parameters(), candidate.effect)
-    if isinstance(candidate, Asymmetry):  # half of the ratio's logarithm each
-        return {name: _around(getattr(effect, name), float(sd[0]) / 2) for name in ("theta_on", "theta_off")}
-    if isinstance(candidate, Lamp):
-        turns = later_turns(effect.phase_turns, effect.frequency_hz, -origin_us)
-        off = _90 * TURNS * float(sd[1])
-        phase = Estimate(value=turns, low=turns - off, high=turns + off)
-        return {"depth": _around(effect.depth, float(sd[0])), "phase_turns": phase}
-    return {
-        name: _around(getattr(effect, name), float(one))
-        for name, one in zip(candidate.names, sd, strict=True)
-    }
+    sd = np.sqrt(np.diag(diagnosis.covariance)[sizes] + settings.reporting.systematic_log_sd**2)
+    half_widths = tuple(Z_90 * float(one) for one in sd)
+    found = candidate.intervals(hypothesis.parameters(), half_widths, origin_us)
+    return {name: Estimate(value=value, low=low, high=high) for name, (value, low, high) in found.items()}
 
 
-def _around(value: float, sd: float) -> Estimate:
-    ends = sorted((value * float(np.exp(-_90 * sd)), value * float(np.exp(_90 * sd))))
-    return Estimate(value=value, low=ends[0], high=ends[1])
-
-
-def _effect(diagnosis: Diagnosis, found: Found, origin_us: int) -> Effect:
+def _effect(diagnosis: Diagnosis, found: Found, origin_us: int, settings: SearchSettings) -> Effect:
     before, after = found.step, diagnosis.after(found)
     return Effect(
         name=found.effect,
-        parameters=intervals(diagnosis, found.trial.candidate, origin_us),
+        parameters=size_estimates(diagnosis, found.trial.candidate, origin_us, settings),
         gap_before=before.held_out,
         gap_after=after.held_out,
         gap_floor=after.floor_held_out,
@@ -190,10 +174,10 @@ def _residual(diagnosis: Diagnosis) -> Residual | None:
     )
 
 
-def _strata(found: Ranked) -> list[Stratum]:
+def _strata(found: Ranked, reporting: Reporting) -> list[Stratum]:
     """The worst of those that are beyond chance; of none, the worst few."""
     order = found.order()
-    beyond = int((found.q < _BEYOND).sum())
+    beyond = int((found.q < reporting.false_discoveries).sum())
     return [
         Stratum(
             group=LABELS[i].group,
@@ -208,7 +192,7 @@ def _strata(found: Ranked) -> list[Stratum]:
                 value=float(found.difference[i]), low=float(found.low[i]), high=float(found.high[i])
             ),
         )
-        for i in order[: min(max(beyond, 5), MOST_STRATA)]
+        for i in order[: min(max(beyond, 5), reporting.most_strata)]
     ]
 
 

@@ -13,7 +13,7 @@ from voltcam_simulator.effect import Events
 
 from ...pages.style import ON_OFF, REAL, styled
 from ...statistics import Setting
-from .figures_statistics import COLOURS, FILL
+from .figures_statistics import FILL, SERIES_COLOURS
 
 Streams = Mapping[str, list[Events]]
 """Name -> runs of events, where light is trusted; "measured" first, with one."""
@@ -53,7 +53,7 @@ def pixel_maps(streams: Streams, setting: Setting) -> Figure:
     axes[1, 0].hist(
         [np.clip(_scores(counts, name).ravel(), -most, most) for name in others],
         bins=np.linspace(-most, most, 41).tolist(), histtype="step",
-        color=[COLOURS[name] for name in others], linewidth=1.6,
+        color=[SERIES_COLOURS[name] for name in others], linewidth=1.6,
     )  # fmt: skip
     axes[1, 0].set_title("how far pixels are off")
     axes[1, 0].set_xticks([-3, 0, 3])
@@ -77,7 +77,7 @@ def _map(events: Events, shape: tuple[int, int]) -> NDArray[np.float64]:
 
 
 @styled
-def spectrum(streams: Streams, setting: Setting) -> Figure:
+def spectrum_curves(streams: Streams, setting: Setting) -> Figure:
     """Amplitude of ON less OFF by frequency, per root of events: near 1 where they come at random."""
     figure = Figure((8.8, 2.6), layout="constrained")
     panel: Any = figure.subplots()
@@ -89,7 +89,7 @@ def spectrum(streams: Streams, setting: Setting) -> Figure:
         if measured:
             panel.fill_between(hz, amplitude, color=FILL, label=name, linewidth=0)
         else:
-            panel.plot(hz, amplitude, color=COLOURS[name], linewidth=1.0, label=name)
+            panel.plot(hz, amplitude, color=SERIES_COLOURS[name], linewidth=1.0, label=name)
     for mains in (50, 60, 100, 120):
         panel.axvline(mains, color=REAL, linewidth=0.5, linestyle=":")
     panel.set_xscale("log")
@@ -131,7 +131,7 @@ def _grid() -> NDArray[np.float64]:
 
 
 @styled
-def frame_phase(streams: Streams, setting: Setting) -> Figure:
+def frame_phase_histograms(streams: Streams, setting: Setting) -> Figure:
     """When in the frame's period events come, and by row: what the readout does runs down the rows."""
     figure = Figure((8.8, 4.8), layout="constrained")
     parts: Any = figure.subfigures(2, 1, height_ratios=[1, 1.25])
@@ -147,7 +147,9 @@ def frame_phase(streams: Streams, setting: Setting) -> Figure:
             if measured:
                 panel.stairs(share, edges, fill=True, color=FILL, label=name)
             else:
-                panel.stairs(share, edges, baseline=None, color=COLOURS[name], linewidth=1.4, label=name)
+                panel.stairs(
+                    share, edges, baseline=None, color=SERIES_COLOURS[name], linewidth=1.4, label=name
+                )
         panel.set_title("ON" if on else "OFF")
         panel.set_xlim(0, edges[-1])
         panel.set_ylim(bottom=0)

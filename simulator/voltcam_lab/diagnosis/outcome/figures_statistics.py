@@ -1,4 +1,4 @@
-"""Figures of a diagnosis from what the battery saw: measured, before and after."""
+"""Figures of a diagnosis from its statistics: measured, before and after."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from ...pages.style import BLUE, ON_OFF, ORANGE, REAL, styled
 from ...statistics import LABELS, Setting
-from ...statistics.inter_event_times import COARSE_MS, FINE_MS, PAIRS
+from ...statistics.inter_event_times import COARSE_MS, FINE_MS, POLARITY_PAIRS
 from ...statistics.strata import INTENSITY_NAMES, SLOPE_NAMES
 from .where import Ranked
 
 Series = Mapping[str, NDArray[np.float64]]
-"""Name -> (n,) the battery's statistics, counts as numbers, summed over the parts; "measured" first."""
+"""Name -> (n,) the statistics, counts as numbers, summed over the parts; "measured" first."""
 
-COLOURS = {"measured": REAL, "before": ORANGE, "after": BLUE, "model": BLUE}
+SERIES_COLOURS = {"measured": REAL, "before": ORANGE, "after": BLUE, "model": BLUE}
 FILL, EDGE = "#d5dae1", "#9aa2ac"
 _HEAT = LinearSegmentedColormap.from_list("heat", ["#f4f6f9", "#9fc4e0", "#2a78b4", "#0b2f57"])
 _GROUPS = {
@@ -27,7 +27,7 @@ _GROUPS = {
 
 
 def cells(group: str, name: str, *axes: str) -> NDArray[np.int64]:
-    """Numbers of the battery's statistics of this name and these axes, in a table with these axes."""
+    """Numbers of the statistics of this name and these axes, in a table with these axes."""
     chosen = [
         (i, label)
         for i, label in enumerate(LABELS)
@@ -38,7 +38,7 @@ def cells(group: str, name: str, *axes: str) -> NDArray[np.int64]:
 
 
 @styled
-def gaps(found: Mapping[str, tuple[float, float]]) -> Figure:
+def gap_bars(found: Mapping[str, tuple[float, float]]) -> Figure:
     """The gap of each model, by name, in held-out data, and its floor, what chance alone leaves."""
     figure = Figure((8.8, 0.95 + 0.42 * len(found)), layout="constrained")
     axes: Any = figure.subplots()
@@ -61,8 +61,8 @@ def gaps(found: Mapping[str, tuple[float, float]]) -> Figure:
 
 
 @styled
-def deviations(found: Mapping[str, Ranked]) -> Figure:
-    """Every statistic of the battery, by group: how far the data are from each model, in twins' spreads."""
+def deviation_dots(found: Mapping[str, Ranked]) -> Figure:
+    """Every statistic, by group: how far the data are from each model, in twins' spreads."""
     figure = Figure((8.8, 0.7 + 1.75 * len(found)), layout="constrained")
     rows = figure.subplots(len(found), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     letters = np.array([label.group for label in LABELS])
@@ -70,8 +70,8 @@ def deviations(found: Mapping[str, Ranked]) -> Figure:
     for axes, (name, one) in zip(rows, found.items(), strict=True):
         axes.axhspan(-3, 3, color="#e8ebef", linewidth=0)
         axes.axhline(0, color=EDGE, linewidth=0.6)
-        axes.vlines(place, 0, one.z, color=COLOURS[name], linewidth=0.6, alpha=0.45, rasterized=True)
-        axes.scatter(place, one.z, s=5, color=COLOURS[name], linewidths=0, rasterized=True)
+        axes.vlines(place, 0, one.z, color=SERIES_COLOURS[name], linewidth=0.6, alpha=0.45, rasterized=True)
+        axes.scatter(place, one.z, s=5, color=SERIES_COLOURS[name], linewidths=0, rasterized=True)
         axes.set_yscale("symlog", linthresh=5, linscale=1.2)
         axes.set_ylabel(f"z {name}")
     most = max(12.0, *(float(np.abs(one.z).max()) for one in found.values()))
@@ -87,14 +87,14 @@ def deviations(found: Mapping[str, Ranked]) -> Figure:
 
 
 @styled
-def gap_by_group(found: Mapping[str, Mapping[str, tuple[float, float]]]) -> Figure:
+def group_gap_bars(found: Mapping[str, Mapping[str, tuple[float, float]]]) -> Figure:
     """The held-out gap of each group of statistics, by model, and its floor."""
     figure = Figure((8.8, 2.3), layout="constrained")
     axes: Any = figure.subplots()
     width = 0.7 / len(found)
     for k, (name, groups) in enumerate(found.items()):
         x = np.arange(len(groups)) + (k - (len(found) - 1) / 2) * width
-        axes.bar(x, [gap for gap, _ in groups.values()], 0.88 * width, color=COLOURS[name], label=name)
+        axes.bar(x, [gap for gap, _ in groups.values()], 0.88 * width, color=SERIES_COLOURS[name], label=name)
         floors = [floor for _, floor in groups.values()]
         half = 0.5 * width
         axes.hlines(floors, x - half, x + half, color=REAL, linewidth=2, label="floor" if not k else None)
@@ -109,7 +109,7 @@ def gap_by_group(found: Mapping[str, Mapping[str, tuple[float, float]]]) -> Figu
 
 
 @styled
-def rate_surface(series: Series, setting: Setting) -> Figure:
+def rate_maps(series: Series, setting: Setting) -> Figure:
     """Events per pixel and second by brightness and its change; models as a share of the measured."""
     index = cells("A", "events", "polarity", "intensity", "slope")[::-1]  # ON first
     seconds = setting.seconds.sum(axis=0)
@@ -156,7 +156,7 @@ def _write(panel: Any, texts: list[list[str]], light: NDArray[np.bool_]) -> None
 
 
 @styled
-def interval_counts(series: Series) -> Figure:
+def inter_event_histograms(series: Series) -> Figure:
     """Times between two events of a pixel: moving, of one polarity, and at rest, by pair of them."""
     fine = cells("B", "intervals, moving", "polarity", "interval")
     coarse = cells("B", "intervals", "pair", "interval")
@@ -169,7 +169,7 @@ def interval_counts(series: Series) -> Figure:
         _steps(panel, series, fine[row], _edges(FINE_MS), title)
         panel.set_ylabel("events")
     for panel, row in zip(bottom.subplots(1, 4), range(4), strict=True):
-        title = PAIRS[row].replace(" at", ", at").replace(" O", " to O")
+        title = POLARITY_PAIRS[row].replace(" at", ", at").replace(" O", " to O")
         _steps(panel, series, coarse[row], _edges(COARSE_MS), title)
     figure.legend(*_handles(top), loc="outside upper right", ncols=len(series))
     return figure
@@ -183,7 +183,7 @@ def _steps(panel: Any, series: Series, index: NDArray[np.int64], edges: Any, tit
     for name, values in series.items():
         measured = name == "measured"
         panel.stairs(
-            values[index], edges, fill=measured, color=FILL if measured else COLOURS[name], label=name,
+            values[index], edges, fill=measured, color=FILL if measured else SERIES_COLOURS[name], label=name,
             linewidth=0 if measured else 1.7,
         )  # fmt: skip
     panel.set_title(title)
@@ -199,7 +199,7 @@ def _handles(figure: Any) -> Any:
 
 
 @styled
-def lag_response(series: Series) -> Figure:
+def lag_response_curves(series: Series) -> Figure:
     """Change of ln L in each span of time before the events (ON +, OFF -), by brightness, per event."""
     index = cells("H", "change before events", "intensity", "lag")
     rates = cells("A", "events", "polarity", "intensity", "slope")
@@ -213,7 +213,7 @@ def lag_response(series: Series) -> Figure:
             if name == "measured":
                 panel.bar(range(len(shown)), shown, width=1, color=FILL, label=name)
             else:
-                panel.plot(shown, "o-", markersize=3.5, color=COLOURS[name], label=name)
+                panel.plot(shown, "o-", markersize=3.5, color=SERIES_COLOURS[name], label=name)
         panel.axhline(0, color=EDGE, linewidth=0.6)
         panel.set_title(INTENSITY_NAMES[k])
         panel.set_xticks(range(len(names)), names, rotation=60, ha="right", fontsize=7)

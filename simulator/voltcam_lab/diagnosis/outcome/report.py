@@ -5,19 +5,17 @@ from collections.abc import Sequence
 from markupsafe import Markup
 
 from ...pages.page import figure, render, table
-from ...statistics import COUNTS, LABELS
-from ..rig.rig import Rig, Values
+from ...statistics import COUNTS, LABELS, Setting, Values
+from ..catalogue.entries import in_words
 from ..search.identify import Identifiability, mixed_up, percent, short, smallest
 from ..search.loop import Diagnosis
-from ..search.step import TWINS, Step
+from ..search.state import Search
+from ..search.step import Step
 from ..session import Session
 from . import figures_events, figures_statistics
-from .conclude import in_words
 from .result import Effect, Estimate, Result
-from .where import Ranked, View, gap_by_group, numbers, plain, ranked, views
+from .where import Ranked, View, gaps_by_group, label_in_words, numbers, ranked, views
 
-RUNS = 4
-"""Of each model, for figures from events: one for each version of the light."""
 _TONE = {"effects": "warn", "none": "good", "unknown": "bad"}
 _HEADLINE = {
     "effects": "Missing: {}",
@@ -26,9 +24,11 @@ _HEADLINE = {
 }
 
 
-def page_of(session: Session, told: Identifiability, diagnosis: Diagnosis, result: Result) -> str:
+def page_of(
+    session: Session, search: Search, identifiability: Identifiability, diagnosis: Diagnosis, result: Result
+) -> str:
     """The page. A few runs more are made for what is drawn from events."""
-    models = views(session.rig, diagnosis, session.data)
+    models = views(search, diagnosis)
     return render(
         "diagnosis.html",
         title=f"Diagnosis of {session.name}",
@@ -43,10 +43,13 @@ def page_of(session: Session, told: Identifiability, diagnosis: Diagnosis, resul
         effects=_effects(result.effects),
         advice=[one for one in result.effects if one.next_recording],
         tested=_tested(diagnosis.steps[-1]),
-        overview=_overview(session.data, models),
-        figures=[*_from_battery(session.rig, session.data, models), *_from_events(session, models)],
-        base=_base(told, diagnosis),
-        detectable=_detectable(told),
+        overview=_overview(search.data, models),
+        figures=[
+            *_from_statistics(session.rig.setting, search.data, models),
+            *_from_events(session, search, models),
+        ],
+        base=_base(identifiability, diagnosis),
+        detectable=_detectable(identifiability),
         health=[finding.words for finding in session.health.findings if finding.severity != "good"],
         result=result,
         in_words=in_words,
@@ -75,7 +78,7 @@ def _gaps(diagnosis: Diagnosis) -> Markup:
     gaps = {name: (step.held_out, step.floor_held_out) for name, step in steps.items()}
     if diagnosis.residual is not None:
         gaps["+ a term of unknown origin"] = (diagnosis.residual.trial.held_out, [*gaps.values()][-1][1])
-    drawn = figures_statistics.gaps(gaps)
+    drawn = figures_statistics.gap_bars(gaps)
     caption = (
         "The gap between model and measurement as effects are added: mean robust deviation of a statistic,"
         " on a quarter of the recording that no fit has seen."
@@ -104,14 +107,14 @@ def _tested(step: Step) -> Markup:
 
 def _overview(data: Values, models: dict[str, View]) -> list[Markup]:
     found = {name: ranked(view, data) for name, view in models.items()}
-    drawn = figures_statistics.deviations(found)
-    by_group = {name: gap_by_group(view, data) for name, view in models.items()}
+    drawn = figures_statistics.deviation_dots(found)
+    by_group = {name: gaps_by_group(view, data) for name, view in models.items()}
     return [
         figure(
-            figures_statistics.gap_by_group(by_group),
+            figures_statistics.group_gap_bars(by_group),
             "The gap by group of statistics; dark marks are what chance alone would leave.",
         ),
-        figure(drawn, "Every statistic of the battery. In grey, where simulated twins of the model lie."),
+        figure(drawn, "Every statistic. In grey, where simulated twins of the model lie."),
         _worst(found),
     ]
 
@@ -122,7 +125,7 @@ def _worst(found: dict[str, Ranked]) -> Markup:
     rows = []
     for i in _various(first):
         row: list[object] = [
-            plain(LABELS[i]), short(float(first.measured[i])), short(float(first.expected[i])),
+            label_in_words(LABELS[i]), short(float(first.measured[i])), short(float(first.expected[i])),
             _difference(first, i), f"{first.z[i]:+.1f}", _small(float(first.q[i])),
         ]  # fmt: skip
         rows.append(row if first is last else [*row, f"{last.z[i]:+.1f}"])
@@ -155,28 +158,27 @@ def _signed(number: float) -> str:
     return ("+" if number > 0 else "") + short(number)
 
 
-def _from_battery(rig: Rig, data: Values, models: dict[str, View]) -> list[tuple[str, Markup]]:
+def _from_statistics(setting: Setting, data: Values, models: dict[str, View]) -> list[tuple[str, Markup]]:
     series = {"measured": numbers(data).sum(axis=0)}
     series |= {name: numbers(view.expected).sum(axis=0) for name, view in models.items()}
-    setting = rig.setting
     return [
         ("Rates by brightness and speed", figure(
-            figures_statistics.rate_surface(series, setting),
+            figures_statistics.rate_maps(series, setting),
             "Measured, events per pixel and second, where light is known between frames;"
             " models as a multiple: blue too few, red too many.")),
         ("Intervals", figure(
-            figures_statistics.interval_counts(series), "Time between two events of a pixel.")),
+            figures_statistics.inter_event_histograms(series), "Time between two events of a pixel.")),
         ("Response in time", figure(
-            figures_statistics.lag_response(series),
+            figures_statistics.lag_response_curves(series),
             "How much ln L had changed in each span before an event. What comes late has it further back.")),
     ]  # fmt: skip
 
 
-def _from_events(session: Session, models: dict[str, View]) -> list[tuple[str, Markup]]:
-    rig = session.rig
+def _from_events(session: Session, search: Search, models: dict[str, View]) -> list[tuple[str, Markup]]:
+    rig, runs_of = session.rig, search.settings.runs
     streams = {"measured": [rig.in_trusted_light(session.recording.events)]}
     for name, view in models.items():
-        runs = rig.events(view.model.parameters(), TWINS[:RUNS])
+        runs = rig.events(view.hypothesis.parameters(), runs_of.twins[: runs_of.figures])
         streams[name] = [rig.in_trusted_light(run) for run in runs]
     setting = rig.setting
     return [
@@ -184,30 +186,30 @@ def _from_events(session: Session, models: dict[str, View]) -> list[tuple[str, M
             figures_events.pixel_maps(streams, setting),
             "Events per pixel, and how many spreads of chance a run is off: blue too few, red too many.")),
         ("Spectrum", figure(
-            figures_events.spectrum(streams, setting),
+            figures_events.spectrum_curves(streams, setting),
             "Lamps on the mains make lines at 100 or 120 Hz; dotted: the mains and twice that.")),
         ("Phase of the frame, and row scan", figure(
-            figures_events.frame_phase(streams, setting),
+            figures_events.frame_phase_histograms(streams, setting),
             "Events that the camera's own frames make stand at one phase, or run down the rows.")),
     ]  # fmt: skip
 
 
-def _base(told: Identifiability, diagnosis: Diagnosis) -> Markup:
-    fitted = diagnosis.model.parameters()
+def _base(identifiability: Identifiability, diagnosis: Diagnosis) -> Markup:
+    parameters = diagnosis.hypothesis.parameters()
     rows = [
         [
             f"{one.effect}.{one.name}", short(one.value),
-            short(getattr(getattr(fitted, one.effect), one.name)), f"± {percent(one.sd)}", one.answer,
+            short(getattr(getattr(parameters, one.effect), one.name)), f"± {percent(one.sd)}", one.answer,
             mixed_up(one) or "–",
         ]
-        for one in told.base
+        for one in identifiability.base
     ]  # fmt: skip
     return table(["parameter", "camera file", "fitted", "known to", "fixed", "mixed up with"], rows)
 
 
-def _detectable(told: Identifiability) -> list[Markup]:
+def _detectable(identifiability: Identifiability) -> list[Markup]:
     """In two columns."""
-    rows = [[f"{one.effect}.{one.name}", smallest(one)] for one in told.effects]
+    rows = [[f"{one.effect}.{one.name}", smallest(one)] for one in identifiability.effects]
     half = -(-len(rows) // 2)
     return [table(["effect", "seen from"], part) for part in (rows[:half], rows[half:]) if part]
 

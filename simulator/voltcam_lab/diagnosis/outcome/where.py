@@ -1,39 +1,39 @@
-"""Where model and measurement disagree: every statistic of the battery, ranked."""
+"""Where model and measurement disagree: every statistic, ranked."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import false_discovery_control, t
 
-from ...statistics import COUNTS, FLOORS, LABELS, PARTS, Label
-from ..rig.rig import Rig, Values
+from ...statistics import COUNTS, FLOORS, LABELS, PARTS, Label, Values
+from ..search.hypothesis import Hypothesis
 from ..search.loop import Diagnosis
-from ..search.model import FLOOR_SHARE, HELD_OUT, Model, Spread, flat
-from ..search.robust import gap
+from ..search.robust import mean_huber
+from ..search.spread import HELD_OUT, TwinSpread, flat
+from ..search.state import Search
 from ..search.step import Step
-from ..search.trial import FITTING
 
-Vector = NDArray[np.float64]
-_90 = 1.645
+Z_90 = 1.645
+"""Half width of a 90 % interval of a normal distribution [standard deviations]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Ranked:
-    """All statistics of the battery, (n,) each, over all parts of a recording; twice, before and after.
+    """All statistics, (n,) each, over all parts of a recording; twice, before and after.
 
     measured, expected: counts as numbers, values as they are, of all parts together. z: how far apart, of the
     twins' spread; q: false discovery rate at which it would be reported (Benjamini and Hochberg 1995).
     difference, low, high: share of what is expected for counts, in its own unit for values; 90 %.
     """
 
-    measured: Vector
-    expected: Vector
-    z: Vector
-    q: Vector
-    difference: Vector
-    low: Vector
-    high: Vector
+    measured: Values
+    expected: Values
+    z: Values
+    q: Values
+    difference: Values
+    low: Values
+    high: Values
 
     def order(self) -> NDArray[np.int64]:
         """By |z|, largest first."""
@@ -42,37 +42,40 @@ class Ranked:
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A model beside the data. expected: (PARTS, n) what it gives on average; held_out: its gap there."""
+    """A hypothesis beside the data. expected: (PARTS, n) what it gives on average; held_out: its gap there.
+    model_error: what it is off by, as a share of each statistic."""
 
-    model: Model
-    spread: Spread
+    hypothesis: Hypothesis
+    spread: TwinSpread
     expected: Values
     held_out: float
     floor: float
+    model_error: float
 
 
-def views(rig: Rig, diagnosis: Diagnosis, data: Values) -> dict[str, View]:
+def views(search: Search, diagnosis: Diagnosis) -> dict[str, View]:
     """The fitted camera file "before" and the model "after", or, where nothing was added, the "model"."""
-    first, last = (_view(diagnosis.steps[k], data) for k in (0, -1))
+    first, last = (_view(search, diagnosis.steps[k]) for k in (0, -1))
     if diagnosis.residual is not None:
-        model = diagnosis.residual.model
-        expected = rig.means([model.parameters()], FITTING)[0]
-        last = View(model, last.spread, expected, diagnosis.residual.trial.held_out, last.floor)
-    if first.model is last.model:
+        hypothesis, held_out = diagnosis.residual.hypothesis, diagnosis.residual.trial.held_out
+        expected = search.rig.means([hypothesis.parameters()], search.settings.runs.fitting)[0]
+        last = replace(last, hypothesis=hypothesis, expected=expected, held_out=held_out)
+    if first.hypothesis is last.hypothesis:
         return {"model": first}
     return {"before": first, "after": last}
 
 
-def _view(step: Step, data: Values) -> View:
-    expected = fitted_mean(step, data)
-    return View(step.model, step.screen.spread, expected, step.held_out, step.floor_held_out)
+def _view(search: Search, step: Step) -> View:
+    share = search.settings.model_error.statistic_share
+    expected = fitted_mean(step, search.data)
+    return View(step.hypothesis, step.screen.spread, expected, step.held_out, step.floor_held_out, share)
 
 
 def fitted_mean(step: Step, data: Values) -> Values:
     """(PARTS, n) what the model of a step gives on average, its own parameters moved to fit best."""
     screen = step.screen
-    own = screen.own(flat((data - screen.spread.mean) / screen.spread.lenient))
-    moved: Values = screen.spread.mean + screen.spread.lenient * (screen.base @ own.x)
+    own = screen.own(flat((data - screen.spread.mean) / screen.spread.inflated_sd))
+    moved: Values = screen.spread.mean + screen.spread.inflated_sd * (screen.base @ own.x)
     return moved
 
 
@@ -81,26 +84,29 @@ def ranked(view: View, data: Values) -> Ranked:
     twins = np.mean(view.spread.twins, axis=1)  # over the parts
     expected, measured = view.expected.mean(axis=0), data.mean(axis=0)
     sd = np.maximum(twins.std(axis=0, ddof=1), FLOORS / np.sqrt(PARTS))
-    v = np.sqrt(sd**2 * (1 + 1 / len(twins)) + (FLOOR_SHARE * expected) ** 2)
-    z = (measured - expected) / v
+    spread = np.sqrt(sd**2 * (1 + 1 / len(twins)) + (view.model_error * expected) ** 2)
+    z = (measured - expected) / spread
     q = false_discovery_control(2 * t.sf(np.abs(z), len(twins) - 1))
-    low, middle, high = (_difference(measured + k * _90 * v, expected) for k in (-1, 0, 1))
-    seen, told = (numbers(values).sum(axis=0) for values in (data, view.expected))
-    return Ranked(seen, told, z, q, middle, low, high)
+    low, middle, high = (_difference(measured + k * Z_90 * spread, expected) for k in (-1, 0, 1))
+    ours, theirs = (numbers(values).sum(axis=0) for values in (data, view.expected))
+    return Ranked(ours, theirs, z, q, middle, low, high)
 
 
-def gap_by_group(view: View, data: Values) -> dict[str, tuple[float, float]]:
-    """Of each of the battery's groups, by letter, the held-out gap and what chance alone leaves."""
-    z = ((data - view.expected) / view.spread.v)[list(HELD_OUT)]
+def gaps_by_group(view: View, data: Values) -> dict[str, tuple[float, float]]:
+    """Of each group of statistics, by letter, the held-out gap and what chance alone leaves."""
+    z = ((data - view.expected) / view.spread.sd)[list(HELD_OUT)]
     twins = [one[list(HELD_OUT)] for one in view.spread.left_out]
     found = {}
     for letter in dict.fromkeys(label.group for label in LABELS):
         mine = [label.group == letter for label in LABELS]
-        found[letter] = gap(z[..., mine]), float(np.mean([gap(twin[..., mine]) for twin in twins]))
+        found[letter] = (
+            mean_huber(z[..., mine]),
+            float(np.mean([mean_huber(twin[..., mine]) for twin in twins])),
+        )
     return found
 
 
-def plain(label: Label) -> str:
+def label_in_words(label: Label) -> str:
     """A statistic in words."""
     which = ", ".join(f"{value}" if key in _SAID else f"{key} {value}" for key, value in label.strata)
     return f"{label.name}: {which}" if which else label.name
@@ -116,6 +122,6 @@ def numbers(values: Values) -> Values:
     return np.where(COUNTS, counts, values)
 
 
-def _difference(measured: Vector, expected: Vector) -> Vector:
+def _difference(measured: Values, expected: Values) -> Values:
     measured, expected = numbers(np.maximum(measured, np.where(COUNTS, 0, -np.inf))), numbers(expected)
     return np.where(COUNTS, (measured - expected) / np.maximum(expected, 0.5), PARTS * (measured - expected))

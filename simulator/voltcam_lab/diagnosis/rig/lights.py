@@ -8,16 +8,16 @@ from numpy.typing import NDArray
 from ...light.scene import Scene
 
 LIGHTS = ((0.0, 0.4), (-0.3, 0.55), (0.15, 0.4), (-0.15, 0.55))
-"""Versions of the light between frames that a cubic tells: (how much more it bends than `Scene.images`, -1 is
-straight; random error as a share of `Scene.doubt`). What frames leave open must not look like a gap: shares
-are about what an effect-free recording asks for, and differ by about as much as recordings do."""
+"""Versions of the light between frames that a cubic tells: how much more it bends than `Scene.images` (-1 is
+straight), and a random error as a share of `Scene.surprise`, the error that left-out frames show. What frames
+leave open must not look like a gap. Development: about what recordings without an effect ask for."""
 MOVED_LIGHTS = ((0.0, 0.4), (-0.6, 0.6), (0.3, 0.4), (-0.3, 0.6))
-"""The same where motion had to be guessed."""
+"""Versions of the light where motion had to be guessed."""
 
-Plane = NDArray[np.float32]
+LightImage = NDArray[np.float32]
 
 
-def light_behind(scene: Scene, version: int) -> Iterator[tuple[Plane, int]]:
+def light_behind(scene: Scene, version: int) -> Iterator[tuple[LightImage, int]]:
     """(H, W) float32 [DN] and its time [us], for each of the scene's images."""
     rng = np.random.default_rng(version)
     more, error = (LIGHTS if scene.how == "cubic" else MOVED_LIGHTS)[version]
@@ -29,11 +29,11 @@ def light_behind(scene: Scene, version: int) -> Iterator[tuple[Plane, int]]:
         begin_us, end_us = scene.taken_us[frame], scene.taken_us[frame + 1]
         phase = np.float32(np.clip((t_us - begin_us) / (end_us - begin_us), 0, 1))
         straight = (1 - phase) * scene.taken[frame] + phase * scene.taken[frame + 1]
-        doubt = (
+        uncertainty = (
             4
             * phase
             * (1 - phase)
             * np.maximum(scene.surprise[frame], scene.surprise[frame + 1]).reshape(shape)
         )
-        light = image + more * (image - straight) + error * gap * doubt
+        light = image + more * (image - straight) + error * gap * uncertainty
         yield np.maximum(light, 0).astype(np.float32), t_us

@@ -1,4 +1,4 @@
-"""The test rig: the model run on a recording's scene, and what the battery sees of it."""
+"""The test rig: a camera simulated on a recording's scene, and the statistics of its events."""
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property, lru_cache
@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from voltcam_simulator import EVENT, Parameters, Simulator
 
-from ...statistics import COUNTS, Setting, observe
+from ...statistics import COUNTS, Setting, Values, observe
+from ..catalogue.entries import acts_across_columns, lead_in_us
 from .lights import LIGHTS, light_behind
 
-Values = NDArray[np.float64]
 Events = NDArray[np.void]
-Image = tuple[NDArray[np.float32], int]
+TimedImage = tuple[NDArray[np.float32], int]
 Lights = tuple[NDArray[np.float32], list[int]]
 """(images, H, W) DN and their times [us]."""
 Job = tuple[Parameters, tuple[int, ...], bool]
@@ -24,11 +24,8 @@ Item = TypeVar("Item")
 Made = TypeVar("Made")
 
 LEAD_IN_US = 300_000  # for which a camera has been there before it records: light that flickers, queues
-LEAD_IN_PULSES = 60  # of the frame readout, if there are any: they have fired by then whom they can at once
 LEAD_OUT_US = 100_000  # for which it goes on, for events that are late
 REMEMBERED = 1500  # batches, some 150 MB: a fit begins where another one has been
-PLACED = ("readout", "usb_overflow", "vignetting")
-"""Effects to which a pixel's column or what others do matters: they do not act on sensors side by side."""
 GUTTER = 1  # dark columns between sensors side by side: no event of one is a neighbour of the next
 
 
@@ -61,11 +58,11 @@ class Rig:
         return lru_cache(REMEMBERED)(self.run)
 
     def run(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> Values:
-        """(seeds, PARTS, n) what the battery sees of a batch of runs, comparable; see `events`."""
+        """(seeds, PARTS, n) statistics of a batch of runs, comparable; see `events`."""
         return np.stack([self.observe(events) for events in self.events(parameters, seeds, apart)])
 
     def observe(self, events: Events) -> Values:
-        """(PARTS, n) what the battery sees of events, `in_trusted_light`."""
+        """(PARTS, n) statistics of events, `in_trusted_light`."""
         return comparable(observe(self.setting, self.in_trusted_light(events)).values)
 
     def in_trusted_light(self, events: Events) -> Events:
@@ -81,9 +78,9 @@ class Rig:
     def events(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> list[Events]:
         """The events of each run of a batch. seeds: in sequence, of one batch.
 
-        apart: each on a sensor of its own, as those that are `placed` are anyway.
+        apart: each on a sensor of its own, as those whose columns share an effect are anyway.
         """
-        if apart or placed(parameters):
+        if apart or acts_across_columns(parameters):
             return [self._simulated(parameters, seed, 1) for seed in seeds]
         width, events = self.setting.scene.width, self._simulated(parameters, seeds[0], len(seeds))
         found = []
@@ -99,7 +96,7 @@ class Rig:
         columns = slice(left, left + copies * (scene.width + GUTTER) - GUTTER)
         simulator = Simulator(columns.stop - left, scene.height, parameters, seed=seed)
         images, times_us = self.lights[0][:, :, columns], self.lights[1]
-        simulator.advance(images[0], times_us[0] - _lead_in_us(parameters))
+        simulator.advance(images[0], times_us[0] - max(LEAD_IN_US, lead_in_us(parameters)))
         found = [simulator.advance(image, t_us) for image, t_us in zip(images, times_us, strict=True)]
         found.append(simulator.advance(images[-1], times_us[-1] + LEAD_OUT_US))
         as_bytes = np.concatenate([events.view(np.uint8) for events in found])  # numpy joins records slowly
@@ -129,13 +126,14 @@ class Rig:
     def changes(self, here: Parameters, there: Sequence[Parameters], seeds: Sequence[int]) -> list[Values]:
         """What each of the parameter sets there changes in the mean, with common noise."""
         base = {
-            apart: self.means([here], seeds, apart)[0] for apart in sorted({placed(one) for one in there})
+            apart: self.means([here], seeds, apart)[0]
+            for apart in sorted({acts_across_columns(one) for one in there})
         }
         means = self.means(there, seeds)
-        return [mean - base[placed(one)] for mean, one in zip(means, there, strict=True)]
+        return [mean - base[acts_across_columns(one)] for mean, one in zip(means, there, strict=True)]
 
 
-def _side_by_side(images: Sequence[Image]) -> Image:
+def _side_by_side(images: Sequence[TimedImage]) -> TimedImage:
     height, width = images[0][0].shape
     joined = np.zeros((height, len(images), width + GUTTER), np.float32)
     for n, (image, _) in enumerate(images):
@@ -143,23 +141,11 @@ def _side_by_side(images: Sequence[Image]) -> Image:
     return joined.reshape(height, -1), images[0][1]
 
 
-def placed(parameters: Parameters) -> bool:
-    """Whether the parameters have an effect on that is PLACED, or a drift that grows across the columns."""
-    drift = parameters.residual_drift
-    across = drift.active and drift.across != 0
-    return across or any(getattr(parameters, name).active for name in PLACED)
-
-
-def _lead_in_us(parameters: Parameters) -> int:
-    pulses = parameters.aps_coupling
-    return max(LEAD_IN_US, round(LEAD_IN_PULSES * pulses.frame_period_us) if pulses.active else 0)
-
-
 def _batches(seeds: Sequence[int]) -> list[tuple[int, ...]]:
     return [tuple(batch) for _, batch in groupby(seeds, lambda seed: seed // len(LIGHTS))]
 
 
-def _moving(light: Iterator[Image]) -> Iterator[Image]:
+def _moving(light: Iterator[TimedImage]) -> Iterator[TimedImage]:
     """Without the images between two others that are the same: nothing happens there."""
     former, skipped = next(light), None
     yield former

@@ -13,8 +13,8 @@ import numpy as np
 from voltcam_simulator import Parameters
 from voltcam_simulator.kernel import CACHE_FOLDER
 
-from ...statistics import Setting
-from .rig import Events, Item, Job, Made, Rig, Values
+from ...statistics import Setting, Values
+from .rig import Events, Item, Job, Made, Rig
 from .workers import Workers
 
 _SEEDS_APART = 1 << 20  # a multiple of the versions of light, which a seed's remainder chooses
@@ -46,7 +46,7 @@ class StoredRig(Rig):
         return super().events(parameters, self._own(seeds), apart)
 
     def run(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> Values:
-        """(seeds, PARTS, n) what the battery sees of a batch of runs, comparable."""
+        """(seeds, PARTS, n) statistics of a batch of runs, comparable."""
         if self._ended.is_set():
             raise CancelledError
         key = f"{self._digest} {self._seed} {list(seeds)} {apart} {parameters.model_dump_json()}"

@@ -19,12 +19,13 @@ import numpy as np
 
 from voltcam_simulator import Parameters
 
-from .rig import Rig, Values
+from ...statistics import Values
+from .rig import Rig
 
 MOST = 12  # batches that the search asks for at a time, mostly; each process takes some 110 MB
 _LINE = 64  # bytes of a cache line: where arrays begin
 
-Place = tuple[int, int]
+FileSpan = tuple[int, int]
 """Where an array begins and ends in the file."""
 
 
@@ -57,10 +58,10 @@ class Workers:
         self._pool.shutdown(cancel_futures=True)
 
 
-def _written(thing: object, path: Path) -> tuple[bytes, list[Place]]:
+def _written(thing: object, path: Path) -> tuple[bytes, list[FileSpan]]:
     """Its arrays written to a file; the rest of it, and where they are."""
     arrays: list[pickle.PickleBuffer] = []
-    head, places = pickle.dumps(thing, 5, buffer_callback=arrays.append), list[Place]()
+    head, places = pickle.dumps(thing, 5, buffer_callback=arrays.append), list[FileSpan]()
     path.unlink(missing_ok=True)  # of a run before: another process may still be reading it
     with path.open("wb") as file:
         for array in arrays:
@@ -71,7 +72,7 @@ def _written(thing: object, path: Path) -> tuple[bytes, list[Place]]:
     return head, places
 
 
-def _read(path: Path, head: bytes, places: Sequence[Place]) -> object:
+def _read(path: Path, head: bytes, places: Sequence[FileSpan]) -> object:
     whole = np.memmap(path, np.uint8, "r").data
     return pickle.loads(head, buffers=[whole[begin:end] for begin, end in places])
 
@@ -79,7 +80,7 @@ def _read(path: Path, head: bytes, places: Sequence[Place]) -> object:
 _rig: Rig  # of a worker
 
 
-def _begin(path: Path, head: bytes, places: Sequence[Place]) -> None:
+def _begin(path: Path, head: bytes, places: Sequence[FileSpan]) -> None:
     """A worker begins: it leaves Ctrl-C to its parent, and does not outlive it."""
     global _rig
     signal.signal(signal.SIGINT, signal.SIG_IGN)

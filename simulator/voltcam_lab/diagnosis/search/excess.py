@@ -7,13 +7,11 @@ is. In a preset it may be a guess: half a noise pair a second from each pixel of
 from voltcam_simulator import Camera, Parameters
 
 from ..session import Session
-from .loop import Report
-from .model import flat, spread_of
-from .robust import gap
+from .hypothesis import Hypothesis
+from .robust import mean_huber
+from .spread import flat, spread_of
+from .state import Search
 from .step import base_fitted
-from .trial import COARSE
-
-LESS = 0.8  # of the gap: what is left without them at most, where they are taken out
 
 
 def own_effects(session: Session) -> tuple[str, ...]:
@@ -21,7 +19,7 @@ def own_effects(session: Session) -> tuple[str, ...]:
     return tuple(name for name in session.left_out if getattr(session.camera.parameters, name).active)
 
 
-def without_excess(session: Session, report: Report) -> Camera | None:
+def without_excess(session: Session, search: Search) -> Camera | None:
     """The camera without its `own_effects`, where the recording is better explained so; else None.
 
     Only all of them are tried: one that is there is looked for then as any that the file lacks.
@@ -29,18 +27,18 @@ def without_excess(session: Session, report: Report) -> Camera | None:
     own = own_effects(session)
     if not own:
         return None
-    report(f"Are the effects of the camera file in this recording ({', '.join(own)})?")
+    search.say(f"Are the effects of the camera file in this recording ({', '.join(own)})?")
     given = session.camera.parameters
     bare = given.model_copy(update={name: type(getattr(given, name))() for name in own})
-    with_them, without = (_gap(session, parameters) for parameters in (given, bare))
-    out = without < LESS * with_them
+    with_them, without = (_gap(search, session.on_clock(parameters)) for parameters in (given, bare))
+    out = without < search.settings.taken_out_below * with_them
     end = "they are taken out, and looked for with the others" if out else "they stay as they are"
-    report(f"Gap {with_them:.2f} with them and {without:.2f} without, base parameters fitted: {end}.")
+    search.say(f"Gap {with_them:.2f} with them and {without:.2f} without, base parameters fitted: {end}.")
     return session.camera.model_copy(update={"parameters": bare}) if out else None
 
 
-def _gap(session: Session, parameters: Parameters) -> float:
+def _gap(search: Search, parameters: Parameters) -> float:
     """What is left of it in the training parts, base parameters fitted."""
-    model = base_fitted(session.rig, session.model_of(parameters), session.data)
-    spread = spread_of(session.rig, model, COARSE)
-    return gap(flat((session.data - spread.mean) / spread.v))
+    hypothesis, settings = base_fitted(search, Hypothesis(parameters)), search.settings
+    spread = spread_of(search.rig, hypothesis, settings.runs.rough_twins, settings)
+    return mean_huber(flat((search.data - spread.mean) / spread.sd))

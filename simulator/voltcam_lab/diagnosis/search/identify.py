@@ -10,52 +10,50 @@ from scipy.stats import gumbel_r
 
 from voltcam_simulator import Parameters
 
-from ..catalogue.catalogue import RATIOS, WEAKER, Candidate
+from ..catalogue.candidate import Candidate
 from ..rig.rig import Rig
-from .model import BASE, Model, flat, spread_of
+from .hypothesis import BASE, Hypothesis
 from .precise import precise
 from .screen import Screen, Signature, screen_of
-from .step import ALPHA, LEAST_GAIN, SIGNATURE, TWINS
+from .settings import DEFAULTS, SearchSettings
+from .spread import flat, spread_of
 
-MIXED = 0.6  # correlation from which two parameters are said to be mixed up
-_FIXED, _PARTLY = 0.9, 0.5  # share of the prior's variance that is gone
-_AMOUNTS = (1e-3, 30.0)
+Fixed = Literal["yes", "in part", "no"]
+"""Whether a recording fixes a parameter."""
 
 
 @dataclass(frozen=True)
-class Known:
+class ParameterIdentifiability:
     """How well the recording fixes a base parameter. sd: of its logarithm; share: of the camera file's
-    uncertainty (variance) that goes; mixed_with: others that move with it, and their correlation."""
+    uncertainty (variance) that goes; answer: whether it is fixed; mixed_with: others that move with it, and
+    their correlation."""
 
     effect: str
     name: str
     value: float
     sd: float
     share: float
+    answer: Fixed
     mixed_with: dict[str, float] = field(default_factory=dict)
-
-    @property
-    def answer(self) -> Literal["yes", "in part", "no"]:
-        """In a word."""
-        return "yes" if self.share > _FIXED else "in part" if self.share > _PARTLY else "no"
 
 
 @dataclass(frozen=True)
-class Detectable:
-    """The smallest size of an effect that would be seen; None where none would."""
+class DetectableSize:
+    """The smallest size of an effect that would be found; None where none would. ratio: 1 is no effect."""
 
     effect: str
     name: str
     size: float | None
     unit: str
+    ratio: bool = False
 
 
 @dataclass(frozen=True)
 class Identifiability:
-    """base, in the model's order; effects, each at the sign that shows best."""
+    """base, in the order of `hypothesis.BASE`; effects, each at the sign that shows best."""
 
-    base: tuple[Known, ...]
-    effects: tuple[Detectable, ...]
+    base: tuple[ParameterIdentifiability, ...]
+    effects: tuple[DetectableSize, ...]
 
     def text(self) -> str:
         """Lines for a terminal."""
@@ -72,16 +70,16 @@ class Identifiability:
         return "\n".join(lines)
 
 
-def mixed_up(one: Known) -> str:
+def mixed_up(one: ParameterIdentifiability) -> str:
     """Its partners, in words."""
     return ", ".join(f"{name} ({value:+.2f})" for name, value in one.mixed_with.items())
 
 
-def smallest(one: Detectable) -> str:
+def smallest(one: DetectableSize) -> str:
     """The size with its unit."""
     if one.size is None:
         return "does not show in this recording"
-    text = short(abs(one.size), 4 if one.name in RATIOS else 2)
+    text = short(abs(one.size), 4 if one.ratio else 2)
     return text if one.unit == "1" else f"{text} {one.unit}"
 
 
@@ -100,47 +98,64 @@ def short(number: float, digits: int = 3) -> str:
 
 
 def identify(
-    rig: Rig, model: Model, candidates: Sequence[Candidate], twins: Sequence[int] = TWINS
+    rig: Rig,
+    hypothesis: Hypothesis,
+    candidates: Sequence[Candidate],
+    settings: SearchSettings = DEFAULTS,
 ) -> Identifiability:
-    """Of a rig's scene, with twins of the model only."""
-    spread = spread_of(rig, model, twins)
-    screen = screen_of(rig, model, spread, candidates, SIGNATURE)
-    return Identifiability(known(model, precise(rig, model, spread).covariance), detectable(screen))
+    """Of a rig's scene, with twins of the hypothesis only: no data are looked at."""
+    spread = spread_of(rig, hypothesis, settings.runs.twins, settings)
+    screen = screen_of(rig, hypothesis, spread, candidates, settings)
+    covariance = precise(rig, hypothesis, spread, settings).covariance
+    return Identifiability(base_identifiability(hypothesis, covariance, settings), detectable_sizes(screen))
 
 
-def known(model: Model, covariance: NDArray[np.float64]) -> tuple[Known, ...]:
-    """The base parameters of a model, with the covariance of its `shift`."""
+def base_identifiability(
+    hypothesis: Hypothesis, covariance: NDArray[np.float64], settings: SearchSettings
+) -> tuple[ParameterIdentifiability, ...]:
+    """The base parameters of a hypothesis, with the covariance of its `shift`."""
     k = len(BASE)
     of_all = covariance[:k, :k]
     sd = np.sqrt(np.diag(of_all))
     correlation = of_all / np.outer(sd, sd)
-    parameters = model.parameters()
+    parameters, prior_sd = hypothesis.parameters(), hypothesis.prior_sd(settings)
     found = []
     for i, (effect, name) in enumerate(BASE):
         mixed = {
             BASE[j][1]: float(correlation[i, j])
             for j in np.argsort(-np.abs(correlation[i]))
-            if j != i and abs(correlation[i, j]) > MIXED
+            if j != i and abs(correlation[i, j]) > settings.reporting.mixed
         }
-        share = 1 - float(sd[i] / model.prior_sd[i]) ** 2
-        found.append(
-            Known(effect, name, getattr(getattr(parameters, effect), name), float(sd[i]), share, mixed)
-        )
+        share = 1 - float(sd[i] / prior_sd[i]) ** 2
+        value = getattr(getattr(parameters, effect), name)
+        answer = answer_of(share, settings)
+        found.append(ParameterIdentifiability(effect, name, value, float(sd[i]), share, answer, mixed))
     return tuple(found)
 
 
-def detectable(screen: Screen) -> tuple[Detectable, ...]:
+def answer_of(share: float, settings: SearchSettings = DEFAULTS) -> Fixed:
+    """Whether a parameter is fixed, of which this share of the uncertainty goes."""
+    reporting = settings.reporting
+    return "yes" if share > reporting.fixed else "in part" if share > reporting.partly_fixed else "no"
+
+
+def detectable_sizes(screen: Screen) -> tuple[DetectableSize, ...]:
     """The smallest size of each effect whose gain, base parameters projected out, is beyond chance's."""
-    beyond = max(float(gumbel_r.ppf(1 - ALPHA, *gumbel_r.fit(np.maximum(screen.null, 0.0)))), LEAST_GAIN)
-    best: dict[tuple[str, str], float | None] = {}
+    test = screen.settings.score_test
+    chance = gumbel_r.ppf(1 - test.alpha, *gumbel_r.fit(np.maximum(screen.null, 0.0)))
+    beyond = max(float(chance), test.least_gain)
+    best: dict[tuple[str, str], DetectableSize] = {}
     for one in screen.signatures:
         candidate, amount = one.candidate, _least_amount(screen, one, beyond)
         key = (candidate.effect, candidate.names[0])
         size = None if amount is None else candidate.scaled(one.size, amount)[0]
         if size is not None and abs(size) < candidate.least:
             size = candidate.least
-        best[key] = _weaker(candidate, best.get(key), size)
-    return tuple(Detectable(effect, name, size, _unit(effect, name)) for (effect, name), size in best.items())
+        known = best[key].size if key in best else None
+        if known is not None:
+            size = known if size is None else candidate.weaker(known, size)
+        best[key] = DetectableSize(*key, size, _unit(*key), candidate.growth == "ratio")
+    return tuple(best.values())
 
 
 def _least_amount(screen: Screen, one: Signature, beyond: float) -> float | None:
@@ -150,22 +165,13 @@ def _least_amount(screen: Screen, one: Signature, beyond: float) -> float | None
         z = amount * flat(one.column)
         return screen.with_effect(z, one).gain - screen.own(z).gain
 
-    low, high = np.log(_AMOUNTS)
+    low, high = np.log(screen.settings.reporting.amounts)
     if gain(float(np.exp(high))) < beyond:
         return None
     while high - low > 0.05:
         middle = (low + high) / 2
         low, high = (low, middle) if gain(float(np.exp(middle))) > beyond else (middle, high)
     return float(np.exp(high))
-
-
-def _weaker(candidate: Candidate, one: float | None, other: float | None) -> float | None:
-    """Of two sizes, the one at which the effect is weaker."""
-    if one is None or other is None:
-        return one if other is None else other
-    if candidate.names[0] in RATIOS:
-        return min(one, other, key=lambda ratio: abs(np.log(ratio)))
-    return max(one, other) if candidate.names[0] in WEAKER else min(one, other, key=abs)
 
 
 def _unit(effect: str, name: str) -> str:

@@ -1,28 +1,31 @@
 """The loop: find the gap, name what is missing, add it, prove it on held-out data, look again."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..catalogue.catalogue import Candidate
-from ..rig.rig import Rig, Values
-from .model import Model, flat
+from ..catalogue.candidate import Candidate
+from .fit import fitted_by_simulation
+from .hypothesis import Hypothesis
 from .precise import precise
-from .proof import UNNAMED, explain_together, explains, nearer, rivals_of, standing, worth_adding
-from .refit import refitted
+from .proof import (
+    best_to_add,
+    confirmed_trials,
+    explain_together,
+    explains,
+    fits_better,
+    rivals_of,
+)
+from .spread import flat
+from .state import Search
 from .step import Step, base_fitted, step_of
-from .trial import FITTING, Trial
-from .unlisted import Residual, residual_of, residual_step
+from .trial import Trial
+from .unlisted import ResidualTerm, residual_of, residual_step
 
 Verdict = Literal["effects", "none", "unknown"]
-Report = Callable[[str], None]
-
-OPEN = 0.25  # of the gap over its floor: what frames may leave open without anything missing
-DEEPEST = 4  # effects, from which no more are looked for
-NOTHING = 0.05  # of an effect, as strong as it was when it was added
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,159 +44,138 @@ class Found:
 
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
-    """What is missing, the model with it, and the steps of the search; the last one found nothing to add.
+    """What is missing, the hypothesis with it, and the steps of the search; the last one found nothing to
+    add.
 
-    covariance: (k, k) of the shift of the last step's model, whose effects are found; None where none are.
-    residual: a term of unknown mechanism, in the model, for part of a gap that no listed effect explains.
+    covariance: (k, k) of the shift of the last step's hypothesis, whose effects are found; None where none
+    are. residual: a term of unknown mechanism, in the hypothesis, for part of a gap that no listed effect
+    explains.
     """
 
     verdict: Verdict
     found: tuple[Found, ...]
-    model: Model
+    hypothesis: Hypothesis
     steps: tuple[Step, ...]
     covariance: NDArray[np.float64] | None = None
-    residual: Residual | None = None
+    residual: ResidualTerm | None = None
 
     def after(self, one: Found) -> Step:
-        """Where the search stood with this effect in the model; others may have come and gone since."""
+        """The step with this effect in the hypothesis; others may have come and gone since."""
         following = self.found[self.found.index(one) + 1 :]
         return following[0].step if following else self.steps[-1]
 
 
-def diagnose(
-    rig: Rig,
-    data: Values,
-    model: Model,
-    candidates: Sequence[Candidate],
-    report: Report,
-    whole: bool = True,
-) -> Diagnosis:
-    """Search what the model lacks to explain `data` (what the battery saw, as `Rig.observe` gives it). whole:
-    whether the rig has all columns of the sensor."""
-    report("Fitting the base parameters of the camera.")
-    step = step_of(rig, base_fitted(rig, model, data), data, candidates)
-    report(_sentence(step))
+def diagnose(search: Search, hypothesis: Hypothesis) -> Diagnosis:
+    """Search what the hypothesis, a camera file, lacks to explain the measured statistics."""
+    settings = search.settings
+    search.say("Fitting the base parameters of the camera.")
+    step = step_of(search, base_fitted(search, hypothesis))
+    search.say(_sentence(step))
     steps: list[Step] = [step]
     found: list[Found] = []
-    nameless: Step | None = None
-    while len(found) < DEEPEST and (trial := worth_adding(step)):
-        chain = _explained(rig, data, candidates, [*steps], trial, report)
+    open_step: Step | None = None
+    while len(found) < settings.most_effects and (trial := best_to_add(settings, step)):
+        chain = _explained(search, [*steps], trial, settings.longest_chain)
         if chain is None:
             break
-        nameless = _nameless(rig, data, step, chain, report, whole)
-        if nameless is not None:
+        open_step = _better_without_name(search, step, chain)
+        if open_step is not None:
             break
         for one, after in chain:
             found.append(one)
             steps.append(after)
         step = steps[-1]
     if len(found) > 1:
-        _drop_needless(rig, data, candidates, found, steps, report)
+        _drop_needless(search, found, steps)
         step = steps[-1]
-    kept, model, covariance = _needed(found, step.model), step.model, None
-    verdict: Verdict = "effects" if kept else "unknown" if step.excess > OPEN else "none"
+    kept, covariance, residual = _needed(search, found, step.hypothesis), None, None
+    hypothesis = step.hypothesis
+    unexplained = step.excess > settings.unexplained
+    verdict: Verdict = "effects" if kept else "unknown" if unexplained else "none"
     if kept:
-        sure = precise(rig, step.model, step.screen.spread, data)
-        model, covariance = sure.model, sure.covariance
-    residual = _residual(rig, data, step, nameless, report, whole) if step.excess > OPEN else None
+        sure = precise(search.rig, step.hypothesis, step.screen.spread, settings, search.data)
+        hypothesis, covariance = sure.hypothesis, sure.covariance
+    if unexplained:
+        residual = _residual(search, step, open_step)
     if residual is not None:
-        model = residual.model
-    return Diagnosis(verdict, tuple(kept), model, tuple(steps), covariance, residual)
+        hypothesis = residual.hypothesis
+    return Diagnosis(verdict, tuple(kept), hypothesis, tuple(steps), covariance, residual)
 
 
-def _nameless(
-    rig: Rig,
-    data: Values,
-    before: Step,
-    chain: Sequence[tuple[Found, Step]],
-    report: Report,
-    whole: bool,
-) -> Step | None:
-    """The step at which a drift or noise of no name is nearer than effects that explain a gap but leave
-    some of it; None where none is."""
-    last, after = chain[-1]
-    if after.excess <= UNNAMED:
+def _explained(
+    search: Search, steps: Sequence[Step], trial: Trial, most: int, begin: Step | None = None
+) -> list[tuple[Found, Step]] | None:
+    """The effects, `most` at most, each with the step after it, that explain the gap of the last of `steps`
+    beginning with `trial`; None where they leave too much of it. begin: the step before others that have not
+    explained it alone."""
+    search.say(f"Trying {trial.candidate.effect}.")
+    settings, step = search.settings, steps[-1]
+    after = step_of(search, trial.hypothesis, _left(search.candidates, trial.hypothesis), steps[0])
+    search.say(_sentence(after))
+    one = Found(trial, step, rivals_of(settings, step, trial))
+    together = begin is not None and explain_together(settings, begin, step, after)
+    if explains(settings, step, after, steps[0]) or together:
+        return [(one, after)]
+    following = best_to_add(settings, after)
+    if most == 1 or following is None:
         return None
-    report("Not all is explained: would a drift or a noise that nobody has a name for explain more?")
-    opened = residual_step(rig, before.model, data, whole)
-    proven = standing(opened)
-    return opened if proven and nearer(before, proven[0], last.trial) else None
+    rest = _explained(search, [*steps, after], following, most - 1, begin or step)
+    return None if rest is None else [(one, after), *rest]
 
 
-def _drop_needless(
-    rig: Rig,
-    data: Values,
-    candidates: Sequence[Candidate],
-    found: list[Found],
-    steps: list[Step],
-    report: Report,
-) -> None:
+def _better_without_name(search: Search, before: Step, chain: Sequence[tuple[Found, Step]]) -> Step | None:
+    """The step at which a drift or noise without a name fits better than effects that explain a gap but
+    leave some of it; None where none does."""
+    last, after = chain[-1]
+    if after.excess <= search.settings.proof.unnamed:
+        return None
+    search.say("Not all is explained: would a drift or a noise that nobody has a name for explain more?")
+    opened = residual_step(search, before.hypothesis)
+    confirmed = confirmed_trials(search.settings, opened)
+    better = confirmed and fits_better(search.settings, before, confirmed[0], last.trial)
+    return opened if better else None
+
+
+def _drop_needless(search: Search, found: list[Found], steps: list[Step]) -> None:
     """Take out effects without which the others explain the gap as well; one found first, for want of what
     was found later, may be such. Each time there is one step more."""
     for one in [*found]:
         step, index = steps[-1], found.index(one)
-        report(f"Is {one.effect} needed, now that there is more?")
-        bare = step.model.without(index)
-        model, _ = refitted(rig, bare, data, step.screen.spread.v, FITTING, rounds=2)
-        without = step_of(rig, model, data, _left(candidates, model), steps[0])
-        if len(found) > 1 and flat(data).size * (without.training - step.training) < step.least:
+        search.say(f"Is {one.effect} needed, now that there is more?")
+        bare = step.hypothesis.without(index)
+        rounds = search.settings.fit.joint_rounds
+        hypothesis, _ = fitted_by_simulation(search, bare, step.screen.spread.sd, rounds)
+        without = step_of(search, hypothesis, _left(search.candidates, hypothesis), steps[0])
+        loss = flat(search.data).size * (without.training - step.training)
+        if len(found) > 1 and loss < step.least:
             found.remove(one)
             steps.append(without)
-            report(_sentence(without))
+            search.say(_sentence(without))
 
 
-def _residual(
-    rig: Rig, data: Values, step: Step, opened: Step | None, report: Report, whole: bool
-) -> Residual | None:
-    report("No listed effect explains what is left: looking for a drift or a noise that does.")
-    if opened is None or opened.model is not step.model:
-        opened = residual_step(rig, step.model, data, whole)
-    proven = standing(opened)
-    if not proven:
+def _residual(search: Search, step: Step, opened: Step | None) -> ResidualTerm | None:
+    search.say("No listed effect explains what is left: looking for a drift or a noise that does.")
+    if opened is None or opened.hypothesis is not step.hypothesis:
+        opened = residual_step(search, step.hypothesis)
+    confirmed = confirmed_trials(search.settings, opened)
+    if not confirmed:
         return None
-    residual = residual_of(opened, proven[0])
-    report(f"It is best said as {residual.formula}.")
+    residual = residual_of(search.settings, opened, confirmed[0])
+    search.say(f"It is best said as {residual.formula}.")
     return residual
 
 
-def _explained(
-    rig: Rig,
-    data: Values,
-    candidates: Sequence[Candidate],
-    steps: Sequence[Step],
-    trial: Trial,
-    report: Report,
-    depth: int = 2,
-    begin: Step | None = None,
-) -> list[tuple[Found, Step]] | None:
-    """The effects, each with the step after it, that explain the gap of the last of `steps` beginning with
-    `trial`; None where they leave too much of it. begin: the step before others that have not explained it
-    alone."""
-    report(f"Trying {trial.candidate.effect}.")
-    step = steps[-1]
-    after = step_of(rig, trial.model, data, _left(candidates, trial.model), steps[0])
-    report(_sentence(after))
-    one = Found(trial, step, rivals_of(step, trial))
-    if explains(step, after, steps[0]) or (begin and explain_together(begin, step, after)):
-        return [(one, after)]
-    following = worth_adding(after)
-    if depth == 0 or following is None:
-        return None
-    rest = _explained(rig, data, candidates, [*steps, after], following, report, depth - 1, begin or step)
-    return None if rest is None else [(one, after), *rest]
-
-
-def _left(candidates: Sequence[Candidate], model: Model) -> list[Candidate]:
-    """Those of which not all sizes are in the model."""
-    there = {(candidate.effect, name) for candidate, _ in model.accepted for name in candidate.names}
+def _left(candidates: Sequence[Candidate], hypothesis: Hypothesis) -> list[Candidate]:
+    """Those of which not all sizes are in the hypothesis."""
+    there = {(candidate.effect, name) for candidate, _ in hypothesis.accepted for name in candidate.names}
     return [one for one in candidates if not {(one.effect, name) for name in one.names} <= there]
 
 
-def _needed(found: list[Found], model: Model) -> list[Found]:
+def _needed(search: Search, found: list[Found], hypothesis: Hypothesis) -> list[Found]:
     """Effects whose fitted size is not next to nothing."""
     kept = []
-    for one, (candidate, began), now in zip(found, model.accepted, model.sizes(), strict=True):
-        if candidate.times(now) > NOTHING * candidate.times(began):
+    for one, (candidate, began), now in zip(found, hypothesis.accepted, hypothesis.sizes(), strict=True):
+        if candidate.times(now) > search.settings.negligible * candidate.times(began):
             kept.append(one)
     return kept
 

@@ -7,20 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, gumbel_r
 
-from ..catalogue.catalogue import Candidate
+from ..catalogue.candidate import Candidate
 from ..rig.rig import Rig
-from .model import Model, Spread, flat
-from .robust import Fitted, fitted
-
-AMOUNT_SD = 1.0  # of an effect's amount about 0, in units of the size tried
-OPEN_GAIN = 6.0  # of training loss: what light that frames leave open adds to a recording's, not to twins'
-OPEN_GAINS = OPEN_GAIN * chi2.ppf((np.arange(28) + 0.5) / 28, 1)
-"""Quantiles of its distribution: an error goes either way, and its square is what it adds."""
+from .hypothesis import Hypothesis
+from .robust import RobustFit, robust_fit
+from .settings import ScoreTest, SearchSettings
+from .spread import TwinSpread, flat
 
 
 @dataclass(frozen=True, eq=False)
 class Signature:
-    """What an effect at a size does to the battery: column (PARTS, n) in units of the lenient spread."""
+    """What an effect at a size does to the statistics: column (PARTS, n) in units of the inflated sd."""
 
     candidate: Candidate
     size: tuple[float, ...]
@@ -29,28 +26,34 @@ class Signature:
 
 @dataclass(frozen=True, eq=False)
 class Screen:
-    """Signatures of the catalogue on a model, and how the same model's twins score on them."""
+    """Signatures of the catalogue on a hypothesis, and how the same hypothesis' twins score on them.
 
-    model: Model
-    spread: Spread
-    base: NDArray[np.float64]  # (PARTS, n, k) of the model's own parameters
+    base: (PARTS, n, k) columns of the hypothesis' own parameters. null: (m,) gains where nothing is missing,
+    each twin's largest over the catalogue with each of `light_gains`.
+    """
+
+    hypothesis: Hypothesis
+    spread: TwinSpread
+    base: NDArray[np.float64]
     signatures: tuple[Signature, ...]
-    null: NDArray[np.float64]  # (n,) each twin's largest gain over the catalogue and each of OPEN_GAINS
+    null: NDArray[np.float64]
+    settings: SearchSettings
 
-    def own(self, z: NDArray[np.float64]) -> Fitted:
-        """The part of training deviations z that the model's own parameters can take up."""
-        return fitted(z, flat(self.base), self.model.prior_sd)
+    def own(self, z: NDArray[np.float64]) -> RobustFit:
+        """The part of training deviations z that the hypothesis' own parameters can take up."""
+        return robust_fit(z, flat(self.base), self.hypothesis.prior_sd(self.settings))
 
     def gains(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(signatures,) by how much each lessens the loss of z, beyond what the model's own parameters
+        """(signatures,) by how much each lessens the loss of z, beyond what the hypothesis' own parameters
         can."""
         own, both = self.own(z).gain, [self.with_effect(z, one) for one in self.signatures]
         return np.array([max(found.gain - own, 0.0) if found.x[-1] > 0 else 0.0 for found in both])
 
-    def with_effect(self, z: NDArray[np.float64], one: Signature) -> Fitted:
-        """Amounts of the model's own parameters and, last, of an effect that fit z best."""
+    def with_effect(self, z: NDArray[np.float64], one: Signature) -> RobustFit:
+        """Amounts of the hypothesis' own parameters and, last, of an effect that fit z best."""
         columns = np.column_stack([flat(self.base), flat(one.column)])
-        return fitted(z, columns, np.append(self.model.prior_sd, AMOUNT_SD))
+        prior_sd = np.append(self.hypothesis.prior_sd(self.settings), self.settings.prior.amount_sd)
+        return robust_fit(z, columns, prior_sd)
 
     def p_value(self, gain: float) -> float:
         """How often twins, where nothing is missing, have as large a gain from anything in the catalogue."""
@@ -61,17 +64,29 @@ class Screen:
 
 
 def screen_of(
-    rig: Rig, model: Model, spread: Spread, candidates: Sequence[Candidate], seeds: Sequence[int]
+    rig: Rig,
+    hypothesis: Hypothesis,
+    spread: TwinSpread,
+    candidates: Sequence[Candidate],
+    settings: SearchSettings,
 ) -> Screen:
     """Signatures by runs with common noise; the null by the twins of `spread`, each left out of it."""
-    parameters = model.parameters()
+    parameters = hypothesis.parameters()
     plan = [(candidate, size) for candidate in candidates for size in candidate.sizes]
-    changes = rig.changes(parameters, [candidate.on(parameters, size) for candidate, size in plan], seeds)
+    there = [candidate.on(parameters, size) for candidate, size in plan]
+    changes = rig.changes(parameters, there, settings.runs.signatures)
     signatures = tuple(
-        Signature(candidate, size, change / spread.lenient)
+        Signature(candidate, size, change / spread.inflated_sd)
         for (candidate, size), change in zip(plan, changes, strict=True)
     )
-    screen = Screen(model, spread, spread.columns, signatures, np.empty(0))
-    lenience = spread.v / spread.lenient
-    null = [screen.gains(flat(z * lenience)).max() for z in spread.left_out]
-    return replace(screen, null=np.add.outer(null, OPEN_GAINS).ravel())
+    screen = Screen(hypothesis, spread, spread.columns, signatures, np.empty(0), settings)
+    ratio = spread.sd / spread.inflated_sd
+    null = [screen.gains(flat(z * ratio)).max() for z in spread.left_out]
+    return replace(screen, null=np.add.outer(null, light_gains(settings.score_test)).ravel())
+
+
+def light_gains(test: ScoreTest) -> NDArray[np.float64]:
+    """Quantiles of the training loss by which the light between frames adds to a recording's gain: an error
+    goes either way, and its square is what it adds."""
+    n = test.light_quantiles
+    return np.asarray(test.light_gain * chi2.ppf((np.arange(n) + 0.5) / n, 1))

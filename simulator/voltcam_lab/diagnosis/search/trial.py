@@ -1,36 +1,32 @@
 """An effect tried: fitted to the data by simulation, and how much of the gap it explains."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..catalogue.catalogue import Candidate
-from ..rig.rig import Rig, Values
-from .model import BASE, HELD_OUT, TRAINING, Model, flat
-from .refit import FURTHEST, refitted
-from .robust import gap
+from ...statistics import Values
+from ..catalogue.candidate import Candidate
+from .fit import fitted_by_simulation
+from .hypothesis import Hypothesis
+from .robust import mean_huber
 from .screen import Screen, Signature
-
-COARSE, FITTING = range(500, 508), range(4)
-"""Seeds of runs: for a rough spread, and to fit. 4 versions of the light."""
-LARGE = 1.0  # a gap, about four times what chance leaves
-AMOUNTS = (0.4, 1.0, 2.5)  # of a signature
-SCATTERS = 2.0  # times the spread without the effect
+from .spread import HELD_OUT, TRAINING, flat
+from .state import Search
 
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """An effect fitted to the data: what the battery sees then on average, the gaps it leaves in training and
-    held-out parts, and by how much it lessens them, less what its own scatter costs.
+    """An effect fitted to the data: the statistics it gives on average, the gaps it leaves in training and
+    held-out parts, and by how much it lessens them (gained, confirmed), less what its own scatter costs.
 
-    gain: of the score test."""
+    score: its gain in the score test."""
 
     candidate: Candidate
-    model: Model
+    hypothesis: Hypothesis
     mean: Values
-    gain: float
+    score: float
     training: float
     held_out: float
     gained: float
@@ -38,106 +34,116 @@ class Trial:
 
 
 @dataclass(frozen=True, eq=False)
-class Bench:
+class TrialBench:
     """Where effects are tried. rest: (PARTS, n) deviations of the data that base parameters do not take
-    up, in units of the lenient spread. at_chance: the training gap of a fit that needs no second one."""
+    up, in units of the inflated sd. at_chance: the training gap of a fit that needs no second one."""
 
-    rig: Rig
+    search: Search
     screen: Screen
-    data: Values
     rest: Values
     at_chance: float
 
-    def tried(self, index: int, gain: float) -> Trial:
+    def tried(self, index: int, score: float) -> Trial:
         """The effect of a signature, from where the score test has it.
 
-        With a large gap that is too far for a straight line, and the base may have gone astray for want of
-        the effect: it is fitted from where the base follows on a straight line at sizes of AMOUNTS, or from
-        the camera file, if that is nearer. Where the base has gone astray it is fitted from the file in any
-        case: where the base has gone is nearer than any size of an effect on the file.
+        With a large gap a straight line does not reach that far, and base parameters may stand in for the
+        effect. Then the fit begins at the best of several places: amounts of the signature with the base
+        following, and the camera file. Where the base is off its prior it is fitted from the file besides:
+        near where the base has gone there may be no size of the effect that helps.
         """
-        one, v, model = self.screen.signatures[index], self.screen.spread.lenient, self.screen.model
-        z = flat((self.data - self.screen.spread.mean) / v)
+        one, sd, hypothesis = (
+            self.screen.signatures[index], self.screen.spread.inflated_sd, self.screen.hypothesis
+        )  # fmt: skip
+        trials = self.search.settings.trials
+        z = flat((self.search.data - self.screen.spread.mean) / sd)
         amounts = self.screen.with_effect(z, one).x
-        size = one.candidate.scaled(one.size, float(np.clip(amounts[-1], 0.03, 3)))
-        base = np.array(model.shift) + np.clip(amounts[:-1], -0.5, 0.5)
-        starts = [replace(model, shift=tuple(base.tolist())).with_effect(one.candidate, size)]
-        if gap(z) > LARGE:
-            starts += [from_file(model).with_effect(one.candidate, size), *self._from_file(one.candidate)]
-            starts += [self._followed(one, z, amount) for amount in AMOUNTS]
-        trial = self.judged(one.candidate, self._nearest(starts), gain)
-        if not model.astray:
+        size = one.candidate.scaled(one.size, float(np.clip(amounts[-1], *trials.amount_limits)))
+        move = np.clip(amounts[:-1], -trials.base_limit, trials.base_limit)
+        starts = [hypothesis.moved(move).with_effect(one.candidate, size)]
+        if mean_huber(z) > trials.large_gap:
+            starts += [
+                hypothesis.with_base_of_file().with_effect(one.candidate, size),
+                *self._from_file(one.candidate),
+            ]
+            starts += [self._followed(one, z, amount) for amount in trials.amounts]
+        trial = self.judged(one.candidate, self._nearest(starts), score)
+        if not hypothesis.off_prior(self.search.settings):
             return trial
         start = self._nearest(self._from_file(one.candidate))
-        return max(trial, self.judged(one.candidate, start, gain), key=_gained)
+        return max(trial, self.judged(one.candidate, start, score), key=_gained)
 
-    def _followed(self, one: Signature, z: NDArray[np.float64], amount: float) -> Model:
-        """The model with so much of a signature, its own parameters where they leave the least loss then."""
-        model, rest = self.screen.model, z - amount * flat(one.column)
-        shift = np.array(model.shift) + np.clip(self.screen.own(rest).x, -FURTHEST, FURTHEST)
-        moved = replace(model, shift=tuple(shift.tolist()))
+    def _followed(self, one: Signature, z: NDArray[np.float64], amount: float) -> Hypothesis:
+        """The hypothesis with so much of a signature, its own parameters where they leave the least loss
+        then."""
+        longest = self.search.settings.fit.longest_step
+        move = np.clip(self.screen.own(z - amount * flat(one.column)).x, -longest, longest)
+        moved = self.screen.hypothesis.moved(move)
         return moved.with_effect(one.candidate, one.candidate.scaled(one.size, amount))
 
-    def judged(self, candidate: Candidate, start: Model, gain: float, rounds: int = 1) -> Trial:
+    def judged(self, candidate: Candidate, start: Hypothesis, score: float, rounds: int = 1) -> Trial:
         """An effect fitted from `start` on.
 
         Few hot pixels scatter more than all twins without any: where an effect brings a scatter of its own,
         what it leaves counts in units of that, and the logarithm of the scatter is added, as in a likelihood:
         else the widest would explain most.
         """
-        spread, v = self.screen.spread, self.screen.spread.lenient
-        model, mean = refitted(self.rig, start, self.data, v, FITTING, rounds)
-        sd = self.rig.runs([model.parameters()], COARSE)[0].std(axis=0, ddof=1)
-        wide = np.where(sd > SCATTERS * v, sd, v)
-        if np.mean(wide > v) > 0.02:
-            model, mean = refitted(self.rig, model, self.data, wide, FITTING, rounds)
-        after, wider = self.data - mean, np.log(wide / v)
+        search, spread, trials = self.search, self.screen.spread, self.search.settings.trials
+        sd = spread.inflated_sd
+        hypothesis, mean = fitted_by_simulation(search, start, sd, rounds)
+        rough = search.rig.runs([hypothesis.parameters()], search.settings.runs.rough_twins)[0]
+        scatter = rough.std(axis=0, ddof=1)
+        wide = np.where(scatter > trials.scatter * sd, scatter, sd)
+        if np.mean(wide > sd) > trials.scattered_share:
+            hypothesis, mean = fitted_by_simulation(search, hypothesis, wide, rounds)
+        after, wider = search.data - mean, np.log(wide / sd)
         gained, confirmed = (
-            gap(flat(self.rest, parts)) - gap(flat(after / wide, parts)) - float(flat(wider, parts).mean())
+            mean_huber(flat(self.rest, parts))
+            - mean_huber(flat(after / wide, parts))
+            - float(flat(wider, parts).mean())
             for parts in (TRAINING, HELD_OUT)
         )
-        honest = np.where(sd > SCATTERS * v, sd, spread.v)
-        training, held_out = (gap(flat(after / honest, parts)) for parts in (TRAINING, HELD_OUT))
-        return Trial(candidate, model, mean, gain, training, held_out, gained, confirmed)
+        not_inflated = np.where(scatter > trials.scatter * sd, scatter, spread.sd)
+        training, held_out = (mean_huber(flat(after / not_inflated, parts)) for parts in (TRAINING, HELD_OUT))
+        return Trial(candidate, hypothesis, mean, score, training, held_out, gained, confirmed)
 
-    def anew(self, trial: Trial) -> Trial:
+    def again(self, trial: Trial) -> Trial:
         """The trial, or the effect fitted from the size nearest to it and the base without it, if that is
         better: either may stop in a valley of its own."""
         if trial.training <= self.at_chance:
             return trial
-        return max(trial, self.judged(trial.candidate, self._start(trial), trial.gain), key=_gained)
+        return max(trial, self.judged(trial.candidate, self._start(trial), trial.score), key=_gained)
 
-    def settled(self, best: Trial) -> Trial:
-        """The trial fitted to the end: from where it is, anew, and from the camera file, as the base may have
-        gone far astray for want of the effect."""
-        starts = [best.model]
+    def finished(self, best: Trial) -> Trial:
+        """The trial fitted to the end: from where it is, again from the nearest size, and from the camera
+        file, as base parameters may have gone far to stand in for the effect."""
+        starts = [best.hypothesis]
         if best.training > self.at_chance:
             starts += [self._start(best), self._nearest(self._from_file(best.candidate))]
-        ends = self.rig.each(lambda one: self.judged(best.candidate, one, best.gain, rounds=3), starts)
+        rounds = self.search.settings.trials.last_rounds
+        ends = self.search.rig.each(
+            lambda one: self.judged(best.candidate, one, best.score, rounds=rounds), starts
+        )
         return max(ends, key=_gained)
 
-    def _from_file(self, candidate: Candidate) -> list[Model]:
+    def _from_file(self, candidate: Candidate) -> list[Hypothesis]:
         """The effect at several sizes, base parameters as in the camera file."""
-        sizes = [candidate.scaled(each, more) for each in candidate.sizes for more in (1, 2.5)]
-        return [from_file(self.screen.model).with_effect(candidate, size) for size in sizes]
+        amounts = self.search.settings.trials.file_amounts
+        sizes = [candidate.scaled(each, amount) for each in candidate.sizes for amount in amounts]
+        return [self.screen.hypothesis.with_base_of_file().with_effect(candidate, size) for size in sizes]
 
-    def _nearest(self, starts: Sequence[Model]) -> Model:
+    def _nearest(self, starts: Sequence[Hypothesis]) -> Hypothesis:
         """That which leaves the least gap as it is."""
-        means = self.rig.means([start.parameters() for start in starts], FITTING)
-        z = [flat((self.data - mean) / self.screen.spread.lenient) for mean in means]
-        return starts[int(np.argmin([gap(one) for one in z]))]
+        search = self.search
+        means = search.rig.means([start.parameters() for start in starts], search.settings.runs.fitting)
+        z = [flat((search.data - mean) / self.screen.spread.inflated_sd) for mean in means]
+        return starts[int(np.argmin([mean_huber(one) for one in z]))]
 
-    def _start(self, trial: Trial) -> Model:
-        one, found = trial.candidate, trial.model.sizes()[-1]
+    def _start(self, trial: Trial) -> Hypothesis:
+        one, found = trial.candidate, trial.hypothesis.sizes()[-1]
         alike = [size for size in one.sizes if size[0] * found[0] > 0]  # a fit does not change the sign
         nearest = min(alike, key=lambda size: abs(np.log(size[0] / found[0])))
-        return self.screen.model.with_effect(one, nearest)
+        return self.screen.hypothesis.with_effect(one, nearest)
 
 
 def _gained(trial: Trial) -> float:
     return trial.gained
-
-
-def from_file(model: Model) -> Model:
-    """The model with base parameters as in the camera file."""
-    return replace(model, shift=(0.0,) * len(BASE) + model.shift[len(BASE) :])

@@ -1,14 +1,14 @@
-"""What events tell of effects that have a clock of their own."""
+"""A lamp, as events tell of it."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from voltcam_lab.diagnosis.catalogue.catalogue import Lamp
-from voltcam_lab.diagnosis.catalogue.clues import MAINS_HZ, exposure_of, in_step, loudest_hz, quantum
-from voltcam_lab.diagnosis.rig.rig import Rig
-from voltcam_lab.light.scene import scene_of
-from voltcam_lab.statistics import setting_of
-from voltcam_simulator import EVENT, Parameters
+from voltcam_lab.diagnosis.catalogue.flicker import MAINS_HZ, Lamp, in_step, loudest_hz
+from voltcam_simulator import Parameters
+
+from ..made_rig import swaying
 
 
 @pytest.mark.parametrize("hz", [100.0, 120.0, 73.0])
@@ -42,12 +42,6 @@ PAPER = Parameters.of("paper")
 LAMP = Lamp("flicker", ("depth", "advance"), ((0.02, 1.0),), {"frequency_hz": 99.99, "phase_turns": 0.0})
 
 
-def swaying() -> Rig:
-    t_us = np.arange(0, 2_000_001, 5000)
-    grey = 100 + 60 * np.sin(2e-6 * np.pi * t_us[:, None, None] + np.arange(16) * 0.4 + np.zeros((12, 1)))
-    return Rig(setting_of(scene_of(grey.astype(np.float32), t_us, "cubic"), t_us, parameters=PAPER))
-
-
 @pytest.mark.parametrize("turns", [0.3, -0.2])
 def test_the_phase_of_flickering_light(turns: float) -> None:
     rig = swaying()
@@ -62,22 +56,8 @@ def test_no_phase_is_looked_for_where_no_lamp_is_to_be_heard() -> None:
     assert in_step(rig, PAPER, LAMP, rig.events(PAPER, [5])[0]) is LAMP
 
 
-@pytest.mark.parametrize("row_us", [0.0, 35.25])
-def test_the_exposure_from_events_that_crowd_at_its_ends(row_us: float) -> None:
-    """Frames that nobody sees: ON events when they begin, OFF events at their end, at once or by rows."""
-    rng, n = np.random.default_rng(3), 4000
-    events = np.zeros(n, EVENT)
-    events["y"], events["p"] = rng.integers(0, 12, n), rng.random(n) < 0.5
-    frame, scattered = rng.integers(0, 399, n) * 5000, rng.random(n) < 0.8
-    kicked = frame + 1730 + np.where(events["p"], 0, 870 + row_us * events["y"])
-    events["t"] = np.where(scattered, rng.integers(0, 2_000_000, n), kicked)
-    start_us, length_us = exposure_of(swaying().setting, events, 35.25)
-    assert start_us % 5000 == pytest.approx(1730, abs=20)
-    assert length_us == pytest.approx(870, abs=40)
-
-
-def test_the_tick_of_time_stamps() -> None:
-    ticks = np.array([3, 8, 21, 22])
-    assert quantum(200 * ticks) == 200
-    assert quantum(np.array([5, 8])) == 1
-    assert quantum(np.empty(0, np.int64)) == 1
+def test_a_lamp_is_moved_on_by_a_quarter_turn_for_an_e_fold_of_its_second_size() -> None:
+    lamp = replace(LAMP, others={**LAMP.others, "phase_turns": 0.4})
+    found = [lamp.on(Parameters.of("paper"), (0.03, float(np.exp(e)))).flicker for e in (0.0, -1.0, 1.0)]
+    assert [one.depth for one in found] == [0.03] * 3
+    assert [one.phase_turns for one in found] == pytest.approx([0.4, 0.15, -0.35])  # 0.65 is the same phase

@@ -11,7 +11,7 @@ from voltcam_lab.diagnosis.outcome.report import page_of
 from voltcam_lab.diagnosis.outcome.where import views
 from voltcam_lab.diagnosis.search import loop
 
-from .conftest import Done
+from ..conftest import Done
 
 FIGURES = 9
 
@@ -40,18 +40,18 @@ def read(page: str) -> Reader:
 
 @pytest.fixture(scope="module")
 def page(done: Done) -> Reader:
-    result = result_of(done.session, done.told, done.diagnosis)
-    return read(page_of(done.session, done.told, done.diagnosis, result))
+    result = result_of(done.session, done.search, done.identifiability, done.diagnosis)
+    return read(page_of(done.session, done.search, done.identifiability, done.diagnosis, result))
 
 
 def test_the_page_says_the_verdict_and_shows_each_figure(done: Done, page: Reader) -> None:
-    result = result_of(done.session, done.told, done.diagnosis)
+    result = result_of(done.session, done.search, done.identifiability, done.diagnosis)
     assert "Missing: refractory period" in page.text
     assert result.sentence in page.text
     assert page.tags.count("img") == FIGURES
     for title in ("Rates by brightness", "Intervals", "Response in time", "Pixels", "Spectrum", "row scan"):
         assert title in page.text
-    for one in done.told.base:
+    for one in done.identifiability.base:
         assert f"{one.effect}.{one.name}" in page.text
 
 
@@ -62,11 +62,11 @@ def test_the_page_needs_nothing_beside_it(page: Reader) -> None:
 
 def test_a_diagnosis_that_found_nothing_has_a_page_and_names_from_outside_are_escaped(done: Done) -> None:
     session, first = replace(done.session, name="<b>walk</b>"), done.diagnosis.steps[0]
-    nothing = loop.Diagnosis("unknown", (), first.model, (first,))
-    assert list(views(session.rig, nothing, session.data)) == ["model"]
-    result = result_of(session, done.told, nothing)
+    nothing = loop.Diagnosis("unknown", (), first.hypothesis, (first,))
+    assert list(views(done.search, nothing)) == ["model"]
+    result = result_of(session, done.search, done.identifiability, nothing)
     assert not result.effects
     assert result.gap.before == result.gap.after
-    page = page_of(session, done.told, nothing, result)
+    page = page_of(session, done.search, done.identifiability, nothing, result)
     assert "Something unknown is missing" in read(page).text
     assert "<b>walk</b>" not in page

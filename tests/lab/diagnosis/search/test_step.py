@@ -3,14 +3,15 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.diagnosis.search.model import Model
+from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
+from voltcam_lab.diagnosis.search.state import Search
 from voltcam_lab.diagnosis.search.step import base_fitted
 from voltcam_simulator import Parameters
 
-from .made_rig import PATTERNS, START, MadeRig, logs
+from ..made_rig import CATALOGUE, PATTERNS, START, MadeRig, logs
 
 
-def bent(parameters: Parameters) -> np.ndarray:
+def curved(parameters: Parameters) -> np.ndarray:
     """On the way to ten times k5, less of k6 makes up for what k5 does there; of little k6 nothing shows."""
     k5, k6 = logs(parameters)[4:]
     seen = 10 * k5 * PATTERNS[4] + 10 * (1.15 - abs(k5 - 1.15)) * PATTERNS[5]
@@ -18,7 +19,7 @@ def bent(parameters: Parameters) -> np.ndarray:
 
 
 def test_from_another_cameras_file_what_shows_little_starts_over() -> None:
-    rig, truth = MadeRig(bent), (0, 0, 0, 0, 2.3, 0.0)
-    data = bent(Model(START, shift=truth).parameters()) + rig.noise(4711)
-    found = base_fitted(rig, Model(START), data)
+    rig, truth = MadeRig(curved), (0, 0, 0, 0, 2.3, 0.0)
+    data = curved(Hypothesis(START, shift=truth).parameters()) + rig.noise(4711)
+    found = base_fitted(Search(rig, data, CATALOGUE), Hypothesis(START))
     assert found.shift[4:] == pytest.approx(truth[4:], abs=0.02)

@@ -14,7 +14,9 @@ import pytest
 
 from voltcam_lab.diagnosis.rig.rig import Rig
 from voltcam_lab.diagnosis.rig.stored import StoredRig
+from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
 from voltcam_lab.diagnosis.search.loop import diagnose
+from voltcam_lab.diagnosis.search.state import search_of
 from voltcam_lab.diagnosis.session import session_of
 from voltcam_lab.health import inspect
 from voltcam_lab.light.scene import scene_of
@@ -22,7 +24,7 @@ from voltcam_lab.recordings import Footage
 from voltcam_lab.statistics import setting_of
 from voltcam_simulator import Camera, Parameters
 
-from .conftest import Done, quick_search
+from ..conftest import FEW_ENTRIES, FEW_RUNS, Done
 
 PAPER = Parameters.of("paper")
 MANY = [PAPER, PAPER.changed({"photon_noise": {"k3": 1e-3}})]
@@ -30,7 +32,7 @@ OUTLIVED = """
 import sys, time
 from multiprocessing import active_children
 from pathlib import Path
-from tests.lab.diagnosis.test_workers import PAPER, rig
+from tests.lab.diagnosis.rig.test_workers import PAPER, rig
 rig(Path(sys.argv[1])).runs([PAPER], range(8))
 print(*(child.pid for child in active_children()), flush=True)
 time.sleep(60)
@@ -57,11 +59,10 @@ def test_they_see_what_one_process_sees(tmp_path: Path) -> None:
 
 def test_a_diagnosis_with_them_is_the_same(done: Done, tiny: Footage, tmp_path: Path) -> None:
     """Trials are fitted side by side then."""
-    with quick_search():
-        session = session_of(inspect(tiny), Camera.load("paper"), tmp_path, processes=3)
-        diagnosis = diagnose(session.rig, session.data, session.model, session.candidates, lambda _: None)
-        session.rig.end()
-    assert diagnosis.model.parameters() == done.diagnosis.model.parameters()
+    session = session_of(inspect(tiny), Camera.load("paper"), tmp_path, processes=3, entries=FEW_ENTRIES)
+    diagnosis = diagnose(search_of(session, FEW_RUNS), Hypothesis(session.parameters))
+    session.rig.end()
+    assert diagnosis.hypothesis.parameters() == done.diagnosis.hypothesis.parameters()
     assert [step.training for step in diagnosis.steps] == [step.training for step in done.diagnosis.steps]
     assert [one.effect for one in diagnosis.found] == ["refractory_period"]
 

@@ -3,20 +3,21 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.diagnosis.catalogue.catalogue import Candidate
-from voltcam_lab.diagnosis.rig.rig import Values
+from voltcam_lab.diagnosis.catalogue.candidate import Candidate
+from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
 from voltcam_lab.diagnosis.search.loop import Diagnosis, diagnose
-from voltcam_lab.diagnosis.search.model import Model
+from voltcam_lab.diagnosis.search.state import Search
+from voltcam_lab.statistics import Values
 from voltcam_simulator import Parameters
 
-from .made_rig import CATALOGUE, DEAD, DEAD_TIME, MISMATCH, PATTERNS, START, MadeRig, response
+from ..made_rig import CATALOGUE, DEAD, DEAD_TIME, MISMATCH, PATTERNS, START, MadeRig, response
 
-BASE = Model(START, shift=(0.2, -0.1, 0.1, -0.2, 0.15, 0.1)).parameters()
+BASE = Hypothesis(START, shift=(0.2, -0.1, 0.1, -0.2, 0.15, 0.1)).parameters()
 
 
 def asked(data: Values) -> Diagnosis:
     rig = MadeRig()
-    return diagnose(rig, data + rig.noise(4711), Model(START), CATALOGUE, lambda _: None)
+    return diagnose(Search(rig, data + rig.noise(4711), CATALOGUE), Hypothesis(START))
 
 
 def test_nothing_is_named_where_nothing_is_missing() -> None:
@@ -29,7 +30,7 @@ def test_the_effect_that_is_missing_is_named_with_its_size(one, size: float) -> 
     found = asked(response(one.on(BASE, (size,))))
     assert found.verdict == "effects"
     assert [each.effect for each in found.found] == [one.effect]
-    fitted = getattr(getattr(found.model.parameters(), one.effect), one.names[0])
+    fitted = getattr(getattr(found.hypothesis.parameters(), one.effect), one.names[0])
     assert fitted == pytest.approx(size, rel=0.1)
     assert found.steps[-1].held_out < 0.5 * found.steps[0].held_out
 
@@ -61,7 +62,7 @@ def test_effects_that_are_nearly_alike_are_rivals_where_there_is_little_of_them(
     rig = MadeRig(alike)
     data = alike(MISMATCH.on(BASE, (sigma,))) + rig.noise(4711)
     catalogue = (*CATALOGUE, Candidate("reset_noise", ("sigma",), ((0.1,),)))
-    (found,) = diagnose(rig, data, Model(START), catalogue, lambda _: None).found
+    (found,) = diagnose(Search(rig, data, catalogue), Hypothesis(START)).found
     assert (found.effect, found.rivals) == ("threshold_mismatch", rivals)
 
 
@@ -84,12 +85,12 @@ def test_a_pattern_that_is_not_in_the_catalogue_is_called_unknown() -> None:
 
 
 @pytest.mark.parametrize(("beside", "tried"), [(4.0, True), (12.0, False)])
-def test_an_effect_that_removes_little_of_a_large_gap_is_not_gone_on_from(beside: float, tried: bool) -> None:
+def test_an_effect_that_removes_little_of_a_large_gap_is_not_added(beside: float, tried: bool) -> None:
     """A dead time beside something that nobody knows, of which it is a half or a tenth."""
     said: list[str] = []
     rig = MadeRig()
     data = response(DEAD_TIME.on(BASE, (5000.0,))) + beside * PATTERNS[10] + rig.noise(4711)
-    found = diagnose(rig, data, Model(START), CATALOGUE, said.append)
+    found = diagnose(Search(rig, data, CATALOGUE, say=said.append), Hypothesis(START))
     assert found.verdict == "unknown"
     assert found.steps[0].trials[0].candidate is DEAD_TIME
     assert ("Trying refractory_period." in said) == tried
@@ -119,7 +120,7 @@ def test_an_effect_that_leaves_a_plain_gap_is_named_if_nothing_is_like_it_or_if_
     rig = MadeRig(seen)
     data = seen(DEAD_TIME.on(BASE, (9000.0,))) + beside * PATTERNS[10] + rig.noise(4711)
     other = Candidate("reset_noise", ("sigma",), ((0.1,),))
-    found = diagnose(rig, data, Model(START), (*CATALOGUE, other), lambda _: None)
+    found = diagnose(Search(rig, data, (*CATALOGUE, other)), Hypothesis(START))
     assert found.verdict == verdict
     assert [one.effect for one in found.found] == (["refractory_period"] if verdict == "effects" else [])
 
@@ -137,7 +138,7 @@ def test_an_effect_is_not_named_where_a_drift_without_a_name_explains_the_rest_t
 
     rig = MadeRig(drifting)
     data = response(BASE) + 9 * PATTERNS[6] + 2 * PATTERNS[10] + rig.noise(4711)
-    found = diagnose(rig, data, Model(START), CATALOGUE, lambda _: None)
+    found = diagnose(Search(rig, data, CATALOGUE), Hypothesis(START))
     assert found.verdict == verdict
     assert [each.effect for each in found.found] == ([] if of_the_rest else ["refractory_period"])
     assert not of_the_rest or (found.residual and found.residual.formula.startswith("drift"))
@@ -160,12 +161,12 @@ def test_an_effect_of_which_the_held_out_pixels_have_less_is_named() -> None:
 
     rig = MadeRig(half_there)
     data = half_there(DEAD.on(BASE, (0.02,))) + rig.noise(4711)
-    found = diagnose(rig, data, Model(START), CATALOGUE, lambda _: None)
+    found = diagnose(Search(rig, data, CATALOGUE), Hypothesis(START))
     assert [each.effect for each in found.found] == ["dead_pixels"]
 
 
 def test_the_same_data_give_the_same_verdict() -> None:
     data = response(DEAD_TIME.on(BASE, (900.0,)))
     first, again = asked(data), asked(data)
-    assert first.model.shift == again.model.shift
-    np.testing.assert_array_equal(first.steps[0].gains, again.steps[0].gains)
+    assert first.hypothesis.shift == again.hypothesis.shift
+    np.testing.assert_array_equal(first.steps[0].scores, again.steps[0].scores)

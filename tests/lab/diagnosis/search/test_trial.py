@@ -3,14 +3,15 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.diagnosis.rig.rig import Values
-from voltcam_lab.diagnosis.search.model import Model
+from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
+from voltcam_lab.diagnosis.search.settings import DEFAULTS
+from voltcam_lab.diagnosis.search.state import Search
 from voltcam_lab.diagnosis.search.step import base_fitted, step_of
 from voltcam_lab.diagnosis.search.unlisted import residual_step
-from voltcam_lab.statistics import FLOORS, PARTS
+from voltcam_lab.statistics import FLOORS, PARTS, Values
 from voltcam_simulator import Parameters
 
-from .made_rig import CATALOGUE, DEAD, MISMATCH, PATTERNS, START, MadeRig, logs
+from ..made_rig import CATALOGUE, DEAD, MISMATCH, PATTERNS, START, MadeRig, logs
 
 LEAK_PER_US = START.junction_leak.k4_per_us + 128 * START.parasitic_photocurrent.k5_per_dn_us
 LIGHT = np.geomspace(0.05, 2, len(FLOORS))
@@ -32,11 +33,12 @@ def test_a_drift_that_the_leaks_have_taken_up_is_found_with_its_size_and_power()
     rig, hidden_per_us = MadeRig(leaking), -0.5 * LEAK_PER_US
     there = START.changed({"residual_drift": {"per_us": hidden_per_us, "power": 0.5}})
     data = leaking(there) + rig.noise(4711)
-    trials = residual_step(rig, base_fitted(rig, Model(START), data), data).trials
+    search = Search(rig, data, ())
+    trials = residual_step(search, base_fitted(search, Hypothesis(START))).trials
     best = trials[0]
     assert len({one.candidate.others["power"] for one in trials}) > 1, "each power is a form of its own"
     assert best.candidate.others["power"] == 0.5
-    assert best.model.sizes()[0][0] == pytest.approx(hidden_per_us, rel=0.2)
+    assert best.hypothesis.sizes()[0][0] == pytest.approx(hidden_per_us, rel=0.2)
 
 
 def barred(parameters: Parameters) -> Values:
@@ -49,15 +51,15 @@ def barred(parameters: Parameters) -> Values:
     return 100 + seen + amount * (10 * PATTERNS[0] + PATTERNS[6])
 
 
-def test_an_effect_is_fitted_from_the_camera_file_too_where_the_base_has_gone_astray() -> None:
+def test_an_effect_is_fitted_from_the_camera_file_too_where_the_base_stands_in_for_it() -> None:
     rig = MadeRig(barred)
     data = barred(MISMATCH.on(START, (0.1,))) + rig.noise(4711)
-    base = base_fitted(rig, Model(START), data)
-    assert base.shift[0] > 0.7, "it has gone astray"
-    best = step_of(rig, base, data, CATALOGUE).trials[0]
+    base = base_fitted(Search(rig, data, CATALOGUE), Hypothesis(START))
+    assert base.shift[0] > 0.7, "it stands in for the effect"
+    best = step_of(Search(rig, data, CATALOGUE), base).trials[0]
     assert best.candidate == MISMATCH
-    assert best.model.sizes()[0][0] == pytest.approx(0.1, rel=0.2)
-    assert abs(best.model.shift[0]) < 0.1
+    assert best.hypothesis.sizes()[0][0] == pytest.approx(0.1, rel=0.2)
+    assert abs(best.hypothesis.shift[0]) < 0.1
 
 
 def lost(parameters: Parameters) -> Values:
@@ -70,13 +72,13 @@ def lost(parameters: Parameters) -> Values:
     return 100 + seen + amount * (12 * PATTERNS[0] + 0.8 * PATTERNS[6]) + dead
 
 
-def test_an_effect_for_want_of_which_the_base_has_gone_astray_is_looked_for_from_the_camera_file() -> None:
+def test_an_effect_that_the_base_stands_in_for_is_looked_for_from_the_camera_file() -> None:
     rig = MadeRig(lost)
     data = lost(MISMATCH.on(START, (0.1,))) + rig.noise(4711)
-    base = base_fitted(rig, Model(START), data)
-    assert base.astray
-    best, *others = step_of(rig, base, data, CATALOGUE).trials
+    base = base_fitted(Search(rig, data, CATALOGUE), Hypothesis(START))
+    assert base.off_prior(DEFAULTS)
+    best, *others = step_of(Search(rig, data, CATALOGUE), base).trials
     assert best.candidate == MISMATCH
-    assert best.model.sizes()[0][0] == pytest.approx(0.1, rel=0.2)
-    assert abs(best.model.shift[0]) < 0.1
+    assert best.hypothesis.sizes()[0][0] == pytest.approx(0.1, rel=0.2)
+    assert abs(best.hypothesis.shift[0]) < 0.1
     assert [one.candidate for one in others] == [DEAD]

@@ -3,25 +3,29 @@
 import numpy as np
 from scipy import stats
 
-from voltcam_lab.diagnosis.search.model import Model, Spread
-from voltcam_lab.diagnosis.search.screen import OPEN_GAIN, OPEN_GAINS, Screen
+from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
+from voltcam_lab.diagnosis.search.screen import Screen, light_gains
+from voltcam_lab.diagnosis.search.settings import DEFAULTS
+from voltcam_lab.diagnosis.search.spread import TwinSpread
 from voltcam_simulator import Parameters
 
 TWINS = 28
+LIGHT_GAIN = DEFAULTS.score_test.light_gain
 
 
 def screen(gains: np.ndarray) -> Screen:
     """One whose twins gain that."""
     none = np.zeros((4, 1))
-    spread = Spread(none, none, none, none, [none] * len(gains), (), none[..., None])
-    return Screen(Model(Parameters()), spread, none[..., None], (), np.add.outer(gains, OPEN_GAINS).ravel())
+    spread = TwinSpread(none, none, none, none, [none] * len(gains), none[..., None])
+    null = np.add.outer(gains, light_gains(DEFAULTS.score_test)).ravel()
+    return Screen(Hypothesis(Parameters()), spread, none[..., None], (), null, DEFAULTS)
 
 
 def test_p_values_are_uniform_where_light_adds_to_the_gain() -> None:
-    """Recordings gain as twins do and, of open light, an exponential of mean OPEN_GAIN. Wrong: 1e-4."""
+    """Recordings gain as twins do and, of open light, an exponential of mean LIGHT_GAIN. Wrong: 1e-4."""
     rng = np.random.default_rng(3)
     p_values = [
-        screen(rng.gumbel(3, 3, TWINS)).p_value(rng.gumbel(3, 3) + rng.exponential(OPEN_GAIN))
+        screen(rng.gumbel(3, 3, TWINS)).p_value(rng.gumbel(3, 3) + rng.exponential(LIGHT_GAIN))
         for _ in range(400)
     ]
     assert stats.kstest(p_values, "uniform").pvalue > 1e-4

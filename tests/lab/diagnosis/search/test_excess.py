@@ -5,10 +5,13 @@ from pathlib import Path
 import pytest
 
 from voltcam_lab.diagnosis.search.excess import own_effects, without_excess
+from voltcam_lab.diagnosis.search.state import search_of
 from voltcam_lab.diagnosis.session import session_of
 from voltcam_lab.health import inspect
 from voltcam_lab.recordings import Footage
 from voltcam_simulator import Camera
+
+from ..conftest import FEW_ENTRIES, FEW_RUNS
 
 PAPER = Camera.load("paper")
 
@@ -28,9 +31,9 @@ def test_effects_that_the_recording_does_not_show_are_taken_out(
 ) -> None:
     """The recording has a refractory period of 6 ms, and no other effect."""
     camera = PAPER.model_copy(update={"parameters": PAPER.parameters.changed(effects)})
-    session, said = session_of(inspect(tiny), camera, tmp_path), list[str]()
+    session, said = session_of(inspect(tiny), camera, tmp_path, entries=FEW_ENTRIES), list[str]()
     assert set(own_effects(session)) == set(effects)
-    bare = without_excess(session, said.append)
+    bare = without_excess(session, search_of(session, FEW_RUNS, said.append))
     assert (bare is not None) == out
     assert len(said) == 2 * bool(effects)
     if bare is not None:

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from voltcam_lab.diagnosis.rig.clock import counted_from, later_turns
+from voltcam_lab.diagnosis.catalogue.flicker import later_turns
+from voltcam_lab.diagnosis.rig.clock import counted_from
 from voltcam_simulator import Parameters, Simulator
 
 ORIGIN_US = 3 * 4_032_000

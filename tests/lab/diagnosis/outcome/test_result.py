@@ -11,14 +11,14 @@ from voltcam_lab.diagnosis.outcome.conclude import camera_of, result_of
 from voltcam_lab.diagnosis.outcome.result import Result, schema
 from voltcam_simulator import Camera
 
-from .conftest import FEW_TWINS, Done
+from ..conftest import FEW_RUNS, Done
 
-SCHEMA = Path(__file__).parents[3] / "docs" / "diagnosis.schema.json"
+SCHEMA = Path(__file__).parents[4] / "docs" / "diagnosis.schema.json"
 
 
 @pytest.fixture(scope="module")
 def result(done: Done) -> Result:
-    return result_of(done.session, done.told, done.diagnosis)
+    return result_of(done.session, done.search, done.identifiability, done.diagnosis)
 
 
 def test_the_hidden_effect_is_named_with_its_size(result: Result) -> None:
@@ -36,31 +36,32 @@ def test_the_hidden_effect_is_named_with_its_size(result: Result) -> None:
 
 
 def test_the_seeds_are_those_of_the_runs_that_were_made(done: Done, result: Result) -> None:
-    assert result.seeds.twins == list(FEW_TWINS)
-    assert len(done.diagnosis.steps[-1].screen.spread.twins) == len(FEW_TWINS)
+    assert result.seeds.twins == list(FEW_RUNS.runs.twins)
+    assert len(done.diagnosis.steps[-1].screen.spread.twins) == len(FEW_RUNS.runs.twins)
 
 
 def test_what_was_taken_out_of_the_camera_file_is_said_last(done: Done) -> None:
     session = replace(done.session, taken_out=("noise_pairs", "latency"))
-    told = result_of(session, done.told, done.diagnosis)
-    assert told.sentence.startswith("The camera file lacks refractory period")
-    assert told.sentence.endswith("better explained without: noise pairs, latency.")
-    assert told.settings.taken_out == ["noise_pairs", "latency"]
+    result = result_of(session, done.search, done.identifiability, done.diagnosis)
+    assert result.sentence.startswith("The camera file lacks refractory period")
+    assert result.sentence.endswith("better explained without: noise pairs, latency.")
+    assert result.settings.taken_out == ["noise_pairs", "latency"]
 
 
 def test_it_is_said_when_the_file_seems_to_be_of_another_camera(done: Done, result: Result) -> None:
     assert "another camera" not in result.sentence
-    model = replace(done.diagnosis.model, shift=(0.5, 0, 0, 0, -2.3, *done.diagnosis.model.shift[5:]))
-    told = result_of(done.session, done.told, replace(done.diagnosis, model=model)).sentence
-    assert "k5_per_dn_us is 0.1 times what the camera file says: is the file of another camera (" in told
+    fitted = done.diagnosis.hypothesis
+    far = replace(done.diagnosis, hypothesis=replace(fitted, shift=(0.5, 0, 0, 0, -2.3, *fitted.shift[5:])))
+    sentence = result_of(done.session, done.search, done.identifiability, far).sentence
+    assert "k5_per_dn_us is 0.1 times what the camera file says: is the file of another camera (" in sentence
 
 
 def test_of_a_gap_without_a_name_it_is_said_what_comes_nearest(done: Done) -> None:
     open_end = replace(done.diagnosis, verdict="unknown", found=())
-    told = result_of(done.session, done.told, open_end).sentence
-    assert told.startswith("Something is missing, and nothing in the catalogue explains it")
+    result = result_of(done.session, done.search, done.identifiability, open_end).sentence
+    assert result.startswith("Something is missing, and nothing in the catalogue explains it")
     nearest = done.diagnosis.steps[0].trials[0]
-    assert f"Refractory period comes nearest, and leaves {nearest.held_out:.2f}." in told
+    assert f"Refractory period comes nearest, and leaves {nearest.held_out:.2f}." in result
 
 
 def test_strata_are_ranked_and_their_intervals_hold_the_effect(result: Result) -> None:
@@ -103,4 +104,12 @@ def test_the_camera_file_loads_and_has_the_effect(done: Done, result: Result, tm
     assert (camera.width, camera.height) == (32, 24)
     value = result.effects[0].parameters["period_us"].value
     assert camera.parameters.refractory_period.period_us == pytest.approx(value)
-    assert camera.parameters == done.diagnosis.model.parameters()
+    assert camera.parameters == done.diagnosis.hypothesis.parameters()
+
+
+def test_the_runs_that_were_made_are_listed(done: Done, result: Result) -> None:
+    runs = FEW_RUNS.runs
+    assert result.seeds.twins == list(runs.twins)
+    assert len(done.diagnosis.steps[0].screen.spread.twins) == len(runs.twins) == 8
+    assert result.seeds.signatures == list(runs.signatures)
+    assert result.seeds.fitting == list(runs.fitting)
