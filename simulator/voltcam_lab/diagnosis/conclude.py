@@ -64,7 +64,8 @@ def result_of(session: Session, told: Identifiability, diagnosis: Diagnosis) -> 
             ],
         ),
         seeds=Seeds(
-            seed=session.seed, twins=list(last.spread.seeds), signatures=list(SIGNATURE), fitting=list(FITTING)
+            seed=session.seed, twins=list(last.spread.seeds), signatures=list(SIGNATURE),
+            fitting=list(FITTING),
         ),
         versions=Versions(
             voltcam=metadata.version("voltcam"), numpy=np.__version__, python=platform.python_version()
