@@ -19,8 +19,9 @@ SECONDS ?= 600
 run: .venv/installed-server
 	$(BIN)/voltcam serve
 
+# A file runs in one process, so that its fixtures are made once.
 test: .venv/installed-dev
-	$(BIN)/pytest -n logical --dist loadgroup
+	$(BIN)/pytest -n logical --dist loadfile
 
 check: .venv/installed-dev
 	$(BIN)/ruff format --check .
