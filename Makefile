@@ -22,8 +22,9 @@ STRICT := --fresh-env --nitpicky --fail-on-warning --keep-going --quiet
 run: .venv/installed-server
 	$(BIN)/voltcam serve
 
+# A file runs in one process, so that its fixtures are made once.
 test: .venv/installed-dev
-	$(BIN)/pytest -n logical --dist loadgroup
+	$(BIN)/pytest -n logical --dist loadfile
 
 check: .venv/installed-dev
 	$(BIN)/ruff format --check .

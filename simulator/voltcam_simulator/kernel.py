@@ -37,7 +37,8 @@ def kernel(function: F) -> F:
     settings.CACHE_DIR = str(CACHE_FOLDER)  # read at decoration; the caller's own setting stays
     try:
         compiled: Any = numba.njit(nogil=True, error_model="numpy")(function)
-        compiled._cache = _SharedCache(function)  # as `cache=True` sets it
+        cache: Any = _SharedCache  # numba says no types
+        compiled._cache = cache(function)  # as `cache=True` sets it
     finally:
         settings.CACHE_DIR = former
     return cast(F, compiled)
@@ -55,4 +56,4 @@ class _SharedCache(_FunctionCache):  # type: ignore[misc]
         folder.mkdir(parents=True, exist_ok=True)
         with (folder / "lock").open("w") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)  # let go when the file is closed, also by a kill
-            super().save_overload(sig, data)
+            super().save_overload(sig, data)  # type: ignore[no-untyped-call]

@@ -51,8 +51,8 @@ def shape_beyond_integers(path: Path) -> None:
 
 
 def bomb(path: Path) -> None:
-    """A gigabyte of zeros in a megabyte."""
-    zeros = _npy((10**9 // 8,), "<i8", b"\0" * 10**9)
+    """400 MB of zeros in 400 kB."""
+    zeros = _npy((10**8 // 8,), "<i8", b"\0" * 10**8)
     _npz(path, t=zeros, x=zeros, y=zeros, p=zeros)
 
 
