@@ -192,7 +192,7 @@ def _seed(text: str) -> int:
 
 
 def _duration(text: str) -> float:
-    """The same."""
+    """A length of time in seconds, for argparse."""
     number = float(text)
     if not 0 < number < 1e6:
         raise ValueError
