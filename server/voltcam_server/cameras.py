@@ -11,7 +11,7 @@ from voltcam_simulator import Camera, Law, Parameters
 from voltcam_video import Clock, SourceError
 
 from .camera_settings import CameraSettings, EncodingName, check_encoding
-from .diagnosis import Diagnosis
+from .diagnosis import DiagnosisRunner
 from .emulator import Emulator
 from .problems import UsageError, one_line
 from .settings import Settings
@@ -96,7 +96,7 @@ class RunningCamera:
 
     plan: Plan
     emulator: Emulator
-    diagnosis: Diagnosis
+    diagnosis: DiagnosisRunner
     websockets: WebSocketTransport
     zmq: str
     transports: Sequence[Transport] = ()
@@ -121,7 +121,7 @@ class RunningCamera:
             on_status=lambda status: around.on_status(plan.name, status),
             on_failure=around.on_failure,
         )
-        diagnosis = Diagnosis(emulator, zeromq.endpoint)
+        diagnosis = DiagnosisRunner(emulator, zeromq.endpoint)
         return cls(plan, emulator, diagnosis, websockets, zeromq.endpoint, transports)
 
     def start(self) -> None:

@@ -42,7 +42,7 @@ Step = tuple[Literal["gathering", "running"], list[str]]
 """A process, and the state while it runs."""
 
 
-class Diagnosis:
+class DiagnosisRunner:
     """At most one at a time, against the camera of `emulator`, whose ZeroMQ endpoint is `zmq`.
 
     command: of the diagnosing process, followed by RECORDING --camera FILE --out DIR --seconds S. work: the

@@ -25,7 +25,7 @@ from .publisher import Publisher
 from .recorder import Recorder, RecordingPlan, RecordingStatus
 from .simulation import Simulation
 from .stages import stage_histogram
-from .status import FrameCounts, Latency, Meter, SourceStatus, State, Status, Waiting
+from .status import FrameCounts, LatencyStatus, Meter, SourceStatus, State, Status, Waiting
 from .transports import Transport
 
 STATUS_PERIOD_S = 1.0
@@ -227,7 +227,7 @@ class Emulator:
         return "running", ""
 
     @property
-    def _latency_now(self) -> Latency:
+    def _latency_now(self) -> LatencyStatus:
         busy = self._busy
         waited_s = time.monotonic() - busy[0] if busy else 0.0
         return self._publisher.latency(waited_s)

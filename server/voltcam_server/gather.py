@@ -31,7 +31,7 @@ WINDOW = 4  # showings that a rolling rate is the mean of
 STRATA, PIXELS = 4, 256  # of the sample: levels of brightness, pixels of each
 
 
-class Rates(BaseModel):
+class PixelRates(BaseModel):
     """Events of a pixel."""
 
     model_config = ConfigDict(use_attribute_docstrings=True)
@@ -43,7 +43,7 @@ class Rates(BaseModel):
     """1/s"""
 
 
-class Stratum(BaseModel):
+class BrightnessRates(BaseModel):
     """Pixels of one level of brightness, as they were in the first frame."""
 
     model_config = ConfigDict(use_attribute_docstrings=True)
@@ -54,10 +54,10 @@ class Stratum(BaseModel):
     to_dn: int
     """grey level of the brightest"""
 
-    here: Rates
+    here: PixelRates
     """of this camera, over the last two seconds"""
 
-    reference: Rates
+    reference: PixelRates
     """of the reference, over the last two seconds"""
 
 
@@ -75,7 +75,7 @@ class Figures(BaseModel):
     events: int
     """of the reference"""
 
-    strata: list[Stratum]
+    strata: list[BrightnessRates]
     """from dark to bright"""
 
 
@@ -102,7 +102,7 @@ class Sample:
         found = np.bincount(2 * stratum + events["p"], minlength=2 * STRATA + 2)
         self._counts[camera] += found.reshape(-1, 2)
 
-    def tick(self) -> list[Stratum]:
+    def tick(self) -> list[BrightnessRates]:
         """The rates over the last few ticks."""
         now_s = time.monotonic()
         self._window.append((now_s - self._ticked_s, self._counts))
@@ -110,7 +110,9 @@ class Sample:
         seconds = sum(span for span, _ in self._window)
         per_s = np.sum([counts for _, counts in self._window], axis=0) / max(seconds, 1e-3)
         return [
-            Stratum(from_dn=low, to_dn=high, here=_rates(per_s[0, i] / n), reference=_rates(per_s[1, i] / n))
+            BrightnessRates(
+                from_dn=low, to_dn=high, here=_rates(per_s[0, i] / n), reference=_rates(per_s[1, i] / n)
+            )
             for i, (low, high, n) in enumerate(self._limits)
         ]
 
@@ -229,8 +231,8 @@ def _check(here: str, frame: FrameMessage, reference: str, packet: Packet) -> No
             )
 
 
-def _rates(per_s: NDArray[np.float64]) -> Rates:
-    return Rates(off=round(float(per_s[0]), 4), on=round(float(per_s[1]), 4))
+def _rates(per_s: NDArray[np.float64]) -> PixelRates:
+    return PixelRates(off=round(float(per_s[0]), 4), on=round(float(per_s[1]), 4))
 
 
 def _say(line: str) -> None:

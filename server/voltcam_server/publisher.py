@@ -11,7 +11,7 @@ from voltcam_simulator import Camera
 from .interval import Interval
 from .messages import Message, events_message, frame_message
 from .pacer import Slice
-from .status import Latency, Meter
+from .status import LatencyStatus, Meter
 from .transports import Transport
 
 
@@ -24,10 +24,10 @@ class Publisher:
         self._camera, self._transports, self._dropped, self._stages = camera, transports, dropped, stages
         self.events, self.packets = Meter(), Meter()
         self._frame_seq = 0
-        self._latency = Latency(simulated_ms=0, sent_ms=0, age_ms=0)
+        self._latency = LatencyStatus(simulated_ms=0, sent_ms=0, age_ms=0)
         self._age_s = 0.0  # of the events that left last
 
-    def latency(self, waited_s: float) -> Latency:
+    def latency(self, waited_s: float) -> LatencyStatus:
         """Now, while the frame that is being simulated came so long ago."""
         return self._latency.model_copy(update={"age_ms": round(1000 * max(self._age_s, waited_s), 3)})
 
@@ -62,7 +62,7 @@ class Publisher:
         self.publish(frame_message(frame))
         self._stages.labels("leaving").observe(time.monotonic() - interval.ready_s)
         self._frame_seq += 1
-        self._latency = Latency(
+        self._latency = LatencyStatus(
             simulated_ms=round(1000 * (interval.ready_s - interval.arrived_s), 3),
             sent_ms=round(1000 * (time.monotonic() - interval.arrived_s), 3),
             age_ms=0,

@@ -74,7 +74,7 @@ class Total(BaseModel):
     """over the last second, 1/s"""
 
 
-class Latency(BaseModel):
+class LatencyStatus(BaseModel):
     """Of the newest interval, from the arrival of the frame that ends it."""
 
     model_config = ConfigDict(use_attribute_docstrings=True)
@@ -139,7 +139,7 @@ class Status(BaseModel):
     packets: Total
     """that were made"""
 
-    latency: Latency
+    latency: LatencyStatus
     """of the newest interval"""
 
     parameters_version: int

@@ -54,12 +54,12 @@ def along_flow(former: Frame, frame: Frame, steps: int | None = None) -> Iterato
     v0, v1 = former.image, frame.image
     if v0.shape != v1.shape or min(v0.shape) < SMALLEST_SIDE or steps == 1:
         return
-    motion = Motion(v0, v1)
+    motion = FrameMotion(v0, v1)
     for t_us, gone in instants(former.t_us, frame.t_us, steps or motion.steps):
         yield Frame(motion.image(gone), t_us)
 
 
-class Motion:
+class FrameMotion:
     """What moves from one image (H, W) to another; sides at least SMALLEST_SIDE.
 
     steps: as many as keep what moves below a pixel each, MOST_STEPS at most; 1 if the light goes on or off.

@@ -18,7 +18,7 @@ if "OPENCV_LOG_LEVEL" not in os.environ:
 __all__ = ["Capture", "backends", "cv2", "fourcc_text"]
 
 
-class Capture(Protocol):
+class CvCapture(Protocol):
     """What we use of `cv2.VideoCapture`, so that a test can stand in for a camera."""
 
     def isOpened(self) -> bool: ...  # noqa: N802
@@ -37,7 +37,7 @@ def backends() -> list[str]:
     return sorted(registry.getBackendName(each) for each in known if registry.hasBackend(each))
 
 
-def fourcc_text(capture: Capture) -> str | None:
+def fourcc_text(capture: CvCapture) -> str | None:
     """The four characters of the pixel format or codec, None where the backend does not say."""
     code = int(capture.get(cv2.CAP_PROP_FOURCC))
     if code <= 0:

@@ -115,7 +115,7 @@ class Band:
 
 
 @dataclass
-class Readout:
+class EventInterval:
     """An interval as the event stages see it: earlier, behind one that stamps events earlier."""
 
     sensor: Sensor
@@ -219,7 +219,7 @@ class Effect(BaseModel):
     def drift(self, band: Band) -> None:
         """Add to the drift, noise and kicks of a band."""
 
-    def report(self, events: Events, readout: Readout) -> Events:
+    def report(self, events: Events, readout: EventInterval) -> Events:
         """The events as they go on: some more, some less, some later.
 
         events: all that reach this stage in the interval, sorted by time; may be changed in place. Returns

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .effect import Events, Readout, overrides
+from .effect import EventInterval, Events, overrides
 from .event_order import copied, merged
 from .parameters import Parameters
 from .pixel_array import PixelArray
@@ -43,7 +43,7 @@ class EventStages:
             self.read_us = self.complete_us = end_us
             return events
         pixels = self._pixels
-        readout = Readout(
+        readout = EventInterval(
             pixels.sensor, start_us, end_us, interval, pixels.state, pixels.voltage, pixels.light,
             pixels.limits,
         )  # fmt: skip
@@ -67,11 +67,11 @@ class EventStages:
             t_us = effect.stamp_us(t_us)
         return t_us
 
-    def _earlier(self, readout: Readout, by_us: int) -> Readout:
+    def _earlier(self, readout: EventInterval, by_us: int) -> EventInterval:
         """The interval whose events are complete when those to come may be stamped so much earlier."""
         return replace(readout, start_us=self.read_us, end_us=max(self.read_us, readout.end_us - by_us))
 
-    def _due(self, stage: str, events: Events, readout: Readout) -> Events:
+    def _due(self, stage: str, events: Events, readout: EventInterval) -> Events:
         """What an effect has given out, now and before, that is due in the interval; the rest waits."""
         end_us = readout.end_us
         if stage in self.waiting:

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict
 from voltcam_client.formats import FormatError, Recording
 from voltcam_lab.diagnosis.catalogue.candidate import Candidate
 from voltcam_lab.diagnosis.outcome.conclude import size_estimates
-from voltcam_lab.diagnosis.outcome.result import Estimate
+from voltcam_lab.diagnosis.outcome.result import IntervalEstimate
 from voltcam_lab.diagnosis.rig.rig import Rig
 from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
 from voltcam_lab.diagnosis.search.loop import Diagnosis, diagnose
@@ -55,7 +55,7 @@ class Named(BaseModel):
 
     name: str
     rivals: tuple[str, ...] = ()
-    parameters: dict[str, Estimate] = {}
+    parameters: dict[str, IntervalEstimate] = {}
 
 
 class Verdict(BaseModel):

@@ -15,7 +15,7 @@ import pytest
 from websockets.sync.client import ClientConnection, connect
 
 from voltcam_client import Control, ControlError
-from voltcam_server.diagnosis import Diagnosis
+from voltcam_server.diagnosis import DiagnosisRunner
 from voltcam_server.emulator import Emulator
 from voltcam_server.transports import WebSocketTransport, ZeroMQTransport
 from voltcam_simulator import Camera
@@ -114,7 +114,7 @@ def diagnosing(tmp_path: Path) -> Iterator[Bench]:
     orders = os.open(fifo, os.O_RDWR)  # both, so that nobody waits for a reader
     with publishing(SCENE, camera) as (emulator, listener, zmq):
         command = [sys.executable, "-c", STUB, str(fifo)]
-        diagnosis = Diagnosis(emulator, zmq, command=command, work=tmp_path)
+        diagnosis = DiagnosisRunner(emulator, zmq, command=command, work=tmp_path)
         try:
             with (
                 web_server(app_of(running(emulator, WebSocketTransport(""), diagnosis=diagnosis))) as address,

@@ -35,7 +35,7 @@ from voltcam_server.access import AccessSettings, SourceRules, Tokens
 from voltcam_server.api import Access, create_app
 from voltcam_server.camera_settings import CameraSettings
 from voltcam_server.cameras import Cameras, Plan, RunningCamera
-from voltcam_server.diagnosis import Diagnosis
+from voltcam_server.diagnosis import DiagnosisRunner
 from voltcam_server.emulator import Emulator
 from voltcam_server.mailbox import Arrival
 from voltcam_server.messages import Message
@@ -163,7 +163,7 @@ def open_access(recordings: Path = Path("/"), **settings: Any) -> Access:
 def running(emulator: Emulator, websockets: WebSocketTransport, **parts: Any) -> RunningCamera:
     """The emulator as a camera of a daemon's; nobody is at its ZeroMQ endpoint."""
     settings = CameraSettings(source=SCENE, zmq=NO_ZMQ)
-    given = {"diagnosis": Diagnosis(emulator, NO_ZMQ), "zmq": NO_ZMQ} | parts
+    given = {"diagnosis": DiagnosisRunner(emulator, NO_ZMQ), "zmq": NO_ZMQ} | parts
     plan = Plan(emulator.camera.name, settings, emulator.camera)
     return RunningCamera(plan, emulator, websockets=websockets, **given)
 

@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import expect, sync_playwright
 
 from voltcam_server import diagnosis as diagnosis_module
-from voltcam_server.diagnosis import Diagnosis
+from voltcam_server.diagnosis import DiagnosisRunner
 from voltcam_server.diagnosis_models import DiagnosisRequest
 from voltcam_server.emulator import Emulator
 
@@ -170,7 +170,7 @@ def test_the_daemons_end_ends_it(tmp_path: Path) -> None:
     os.mkfifo(fifo)
     walk.touch()
     command = [sys.executable, "-c", STUB, str(fifo)]
-    diagnosis = Diagnosis(Emulator(tiny(), SCENE), "tcp://127.0.0.1:1", command=command, work=tmp_path)
+    diagnosis = DiagnosisRunner(Emulator(tiny(), SCENE), "tcp://127.0.0.1:1", command=command, work=tmp_path)
     diagnosis.start(DiagnosisRequest(reference=str(walk)))
     until(lambda: diagnosis.state.progress, "the process is there")
     process = int(diagnosis.state.progress[0].split()[1])

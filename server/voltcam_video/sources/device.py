@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from voltcam_video.clock import Clock
-from voltcam_video.opencv import Capture, cv2, fourcc_text
+from voltcam_video.opencv import CvCapture, cv2, fourcc_text
 from voltcam_video.request import SourceRequest
 from voltcam_video.sources.live import LiveSource
 from voltcam_video.sources.source import Granted, SourceError
@@ -43,7 +43,7 @@ class DeviceSource(LiveSource):
         request: SourceRequest,
         clock: Clock,
         stop: threading.Event,
-        open_capture: Callable[[str, int], Capture] = cv2.VideoCapture,
+        open_capture: Callable[[str, int], CvCapture] = cv2.VideoCapture,
     ) -> None:
         self._path = request.device or request.uri
         self._open_capture = open_capture
@@ -56,7 +56,7 @@ class DeviceSource(LiveSource):
     def reads(cls, request: SourceRequest) -> bool:
         return request.device is not None
 
-    def _open(self) -> Capture:
+    def _open(self) -> CvCapture:
         _check(self._path)
         deadline_s = time.monotonic() + LET_GO_S
         while True:

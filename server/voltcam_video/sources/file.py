@@ -7,7 +7,7 @@ from pathlib import Path
 
 from voltcam_video.clock import Clock
 from voltcam_video.frame import Frame, luminance
-from voltcam_video.opencv import Capture, cv2, fourcc_text
+from voltcam_video.opencv import CvCapture, cv2, fourcc_text
 from voltcam_video.request import SourceRequest
 from voltcam_video.sources.container import missing_bytes
 from voltcam_video.sources.recorded import DEFAULT_PERIOD_US, RecordedSource
@@ -48,7 +48,7 @@ class FileSource(RecordedSource):
     def reads(cls, request: SourceRequest) -> bool:
         return request.path is not None
 
-    def _open(self) -> Capture:
+    def _open(self) -> CvCapture:
         try:
             empty, missing = not self._path.stat().st_size, missing_bytes(self._path)
         except FileNotFoundError:
@@ -85,7 +85,7 @@ class FileSource(RecordedSource):
             capture.release()
         self._check_end(count, t_us or 0)
 
-    def _time_us(self, capture: Capture, index: int, former_us: int | None) -> int:
+    def _time_us(self, capture: CvCapture, index: int, former_us: int | None) -> int:
         # After grab() it is that frame's presentation time; 0 where it has none: raw streams, and the frames
         # that come out of the decoder after the end of an AVI.
         t_us = round(capture.get(cv2.CAP_PROP_POS_MSEC) * 1000)

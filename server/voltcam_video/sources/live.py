@@ -5,7 +5,7 @@ from abc import abstractmethod
 
 from voltcam_video.clock import Clock
 from voltcam_video.frame import Frame, luminance
-from voltcam_video.opencv import Capture
+from voltcam_video.opencv import CvCapture
 from voltcam_video.request import SourceRequest
 from voltcam_video.sources.source import Source, SourceError
 
@@ -24,7 +24,7 @@ class LiveSource(Source):
         self._last_us = 0
 
     @abstractmethod
-    def _open(self) -> Capture:
+    def _open(self) -> CvCapture:
         """The capture, opened. Raises SourceError."""
 
     @abstractmethod

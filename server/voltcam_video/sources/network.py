@@ -5,7 +5,7 @@ import threading
 import time
 
 from voltcam_video.clock import Clock
-from voltcam_video.opencv import Capture, cv2, fourcc_text
+from voltcam_video.opencv import CvCapture, cv2, fourcc_text
 from voltcam_video.request import SourceRequest
 from voltcam_video.sources.live import LiveSource
 from voltcam_video.sources.source import Granted, SourceError
@@ -46,7 +46,7 @@ class NetworkSource(LiveSource):
     def reads(cls, request: SourceRequest) -> bool:
         return "://" in request.uri
 
-    def _open(self) -> Capture:
+    def _open(self) -> CvCapture:
         timeout_ms = round(self.request.timeout_s * 1000)
         timeouts = [cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, timeout_ms, cv2.CAP_PROP_READ_TIMEOUT_MSEC, timeout_ms]
         with _opening:

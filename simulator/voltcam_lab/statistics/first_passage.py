@@ -25,7 +25,7 @@ from voltcam_lab.statistics.group import MOTION, POLARITY, Group, Values, bin_nu
 from voltcam_lab.statistics.inter_event_times import triples
 from voltcam_lab.statistics.setting import Setting
 from voltcam_lab.statistics.strata import INTENSITIES, INTENSITY_NAMES, SLOPE_NAMES, SLOPES
-from voltcam_lab.statistics.stream import NONE, Stream
+from voltcam_lab.statistics.stream import NONE, EventTable
 from voltcam_lab.statistics.trend import SLICES, TIME, slice_of
 from voltcam_simulator.kernel import kernel
 
@@ -49,7 +49,7 @@ _LABELS = (
 )
 
 
-def observe_first_passage(setting: Setting, stream: Stream) -> Values:
+def observe_first_passage(setting: Setting, stream: EventTable) -> Values:
     """The excess is the score (M - theta)/s; only intervals that begin with the same polarity count."""
     law = law_of(setting)
     probability, excess = np.empty(len(stream.t_us)), np.empty(len(stream.t_us))

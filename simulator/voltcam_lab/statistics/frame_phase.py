@@ -4,7 +4,7 @@ import numpy as np
 
 from voltcam_lab.statistics.group import MOTION, POLARITY, Group, Values, labels, tally
 from voltcam_lab.statistics.setting import PARTS, Setting
-from voltcam_lab.statistics.stream import Stream
+from voltcam_lab.statistics.stream import EventTable
 
 PHASES, ROW_BANDS, FINE = 8, 4, 256
 _FEW = 30  # events make no crowd
@@ -18,7 +18,7 @@ _LABELS = (
 )
 
 
-def observe_frame_phase(setting: Setting, stream: Stream) -> Values:
+def observe_frame_phase(setting: Setting, stream: EventTable) -> Values:
     """What the camera's own frames do to its events stands at one phase, or runs down the rows."""
     phase = frame_phase_of(setting, stream)
     kind = 2 * stream.moving + stream.on
@@ -29,7 +29,7 @@ def observe_frame_phase(setting: Setting, stream: Stream) -> Values:
     return np.hstack([coarse, by_row, crowding(fine.reshape(PARTS, 4, FINE))])
 
 
-def frame_phase_of(setting: Setting, stream: Stream) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def frame_phase_of(setting: Setting, stream: EventTable) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     """(n,) in [0, 1): time since the last frame began, in frame periods."""
     starts_us = setting.frame_starts_us
     frame = np.maximum(np.searchsorted(starts_us, stream.t_us, side="right") - 1, 0)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voltcam_lab.statistics.setting import PARTS, Setting
-from voltcam_lab.statistics.stream import Stream
+from voltcam_lab.statistics.stream import EventTable
 from voltcam_simulator.kernel import kernel
 
 Kind = Literal["count", "value"]
@@ -42,7 +42,7 @@ class Group:
 
     letter: str
     labels: tuple[Label, ...]
-    observe: Callable[[Setting, Stream], Values]
+    observe: Callable[[Setting, EventTable], Values]
 
 
 POLARITY = ("polarity", ("OFF", "ON"))

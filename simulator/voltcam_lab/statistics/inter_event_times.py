@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from voltcam_lab.statistics.group import POLARITY, Group, Values, bin_numbers, classes, labels, tally
 from voltcam_lab.statistics.setting import Setting
-from voltcam_lab.statistics.stream import NONE, Stream
+from voltcam_lab.statistics.stream import NONE, EventTable
 
 FINE_MS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 300.0, 1000.0)
 COARSE_MS = (1.0, 5.0, 20.0, 100.0, 300.0, 1000.0)
@@ -30,19 +30,19 @@ _RATIOS = labels(
 )
 
 
-def observe_inter_event_times(setting: Setting, stream: Stream) -> Values:
+def observe_inter_event_times(setting: Setting, stream: EventTable) -> Values:
     """Dead time is a hole, noise short opposite pairs; jitter and reset noise make successors unlike."""
     return np.hstack([_fine(stream), _coarse(stream), _ratios(stream)])
 
 
-def _fine(stream: Stream) -> Values:
+def _fine(stream: EventTable) -> Values:
     """Of one polarity, while moving."""
     second = (stream.moving == 1) & (stream.interval_us != NONE) & (stream.on[stream.former] == stream.on)
     index = stream.on * FINE_BINS + _length(stream.interval_us, FINE_MS)
     return tally(stream.part, np.where(second, index, -1), len(_FINE))
 
 
-def _coarse(stream: Stream) -> Values:
+def _coarse(stream: EventTable) -> Values:
     """All others."""
     case = _CASE[4 * stream.moving + 2 * stream.on[stream.former] + stream.on]
     index = case * COARSE_BINS + _length(stream.interval_us, COARSE_MS)
@@ -53,7 +53,7 @@ def _length(interval_us: NDArray[np.int64], edges_ms: tuple[float, ...]) -> NDAr
     return bin_numbers(interval_us, tuple(1000 * edge for edge in edges_ms))
 
 
-def _ratios(stream: Stream) -> Values:
+def _ratios(stream: EventTable) -> Values:
     """Of three events of one polarity while the pixel sees motion."""
     third = triples(stream)
     third = third[stream.moving[third] == 1]
@@ -64,7 +64,7 @@ def _ratios(stream: Stream) -> Values:
     return tally(stream.part[third], index, len(_RATIOS))
 
 
-def triples(stream: Stream) -> NDArray[np.int64]:
+def triples(stream: EventTable) -> NDArray[np.int64]:
     """Numbers of the events that are a pixel's third of one polarity, all moving or all at rest."""
     same = (stream.former >= 0) & (stream.on[stream.former] == stream.on)
     same &= stream.moving[stream.former] == stream.moving

@@ -8,7 +8,7 @@ import numpy as np
 from voltcam_lab.statistics.group import Group, Values, labels
 from voltcam_lab.statistics.setting import PARTS, Setting
 from voltcam_lab.statistics.strata import INTENSITIES, INTENSITY_NAMES
-from voltcam_lab.statistics.stream import Stream
+from voltcam_lab.statistics.stream import EventTable
 from voltcam_simulator.kernel import kernel
 
 EDGES_US = (-2000, 0, 200, 500, 1000, 2000, 5000, 12_000, 40_000)
@@ -19,7 +19,7 @@ _LABELS = labels(
 )
 
 
-def observe_lag_response(setting: Setting, stream: Stream) -> Values:
+def observe_lag_response(setting: Setting, stream: EventTable) -> Values:
     """Sum over events of +-1 times the change of ln(L + k2) in a span of time before it: ON +, OFF -."""
     table = np.zeros((PARTS, INTENSITIES, LAGS))
     place = setting.place[stream.pixel]

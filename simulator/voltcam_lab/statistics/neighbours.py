@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from voltcam_lab.statistics.group import MOTION, POLARITY, Group, Values, classes, labels, tally
 from voltcam_lab.statistics.pixels import counts, expected, pixel_scores
 from voltcam_lab.statistics.setting import PARTS, Setting
-from voltcam_lab.statistics.stream import Stream
+from voltcam_lab.statistics.stream import EventTable
 from voltcam_simulator.kernel import kernel
 
 EDGES_MS = (0.002, 0.2, 1.0, 5.0)
@@ -27,7 +27,7 @@ _LABELS = (
 )
 
 
-def observe_neighbours(setting: Setting, stream: Stream) -> Values:
+def observe_neighbours(setting: Setting, stream: EventTable) -> Values:
     """Crosstalk: a neighbour fires too, at rest as well. Rows that differ: the readout. Rings: the lens."""
     rings = ring_of(setting)[stream.pixel]
     return np.hstack([
@@ -37,7 +37,7 @@ def observe_neighbours(setting: Setting, stream: Stream) -> Values:
     ])  # fmt: skip
 
 
-def _neighbours(setting: Setting, stream: Stream) -> Values:
+def _neighbours(setting: Setting, stream: EventTable) -> Values:
     size = len(_LABELS) - 2 * RINGS - 4
     edges_us = np.array(EDGES_MS) * 1000
     table = np.zeros((PARTS, size))
@@ -87,7 +87,7 @@ def ring_of(setting: Setting) -> NDArray[np.int64]:
     return rank * RINGS // r2.size
 
 
-def _lines(setting: Setting, stream: Stream) -> Values:
+def _lines(setting: Setting, stream: EventTable) -> Values:
     """Sum over rows and over columns of the squared score of their events, moving and at rest."""
     n, path = counts(stream, setting.place, len(setting.pixels)), setting.path
     n, path = n[:2] + n[2:], path[:2] + path[2:]

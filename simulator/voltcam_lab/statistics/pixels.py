@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from voltcam_lab.statistics.group import Group, Values, labels
 from voltcam_lab.statistics.setting import PARTS, Setting
-from voltcam_lab.statistics.stream import Stream
+from voltcam_lab.statistics.stream import EventTable
 from voltcam_simulator.kernel import kernel
 
 KINDS = ("ON moving", "OFF moving", "ON at rest", "OFF at rest")
@@ -39,7 +39,7 @@ _LABELS = (
 )
 
 
-def observe_pixels(setting: Setting, stream: Stream) -> Values:
+def observe_pixels(setting: Setting, stream: EventTable) -> Values:
     """Mismatch lasts and shows while moving; leak spread at rest; hot pixels stand out; dead are silent."""
     n = counts(stream, setting.place, len(setting.pixels))
     tile = setting.tiles.ravel()[setting.pixels]
@@ -57,7 +57,7 @@ def _count(quarter: Any, kind: Any, pixel: Any, place: Any, n: Any) -> None:
         n[quarter[i], kind[i], place[pixel[i]]] += 1
 
 
-def counts(stream: Stream, place: NDArray[np.int32], pixels: int) -> NDArray[np.float64]:
+def counts(stream: EventTable, place: NDArray[np.int32], pixels: int) -> NDArray[np.float64]:
     """(4 blocks modulo 4, KINDS, K) events of each kept pixel."""
     n = np.zeros((4, len(KINDS), pixels))
     _count(stream.quarter, 3 - 2 * stream.moving - stream.on, stream.pixel, place, n)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from voltcam_lab.statistics.group import Group, Values, bin_numbers, classes, labels, tally
 from voltcam_lab.statistics.setting import PARTS, Setting
-from voltcam_lab.statistics.stream import Stream
+from voltcam_lab.statistics.stream import EventTable
 from voltcam_simulator.kernel import kernel
 
 GAPS_US = (2, 5, 10, 15, 25, 40, 60, 100, 200, 500, 1000, 3000, 10_000)
@@ -29,7 +29,7 @@ _LABELS = (
 )
 
 
-def observe_readout(setting: Setting, stream: Stream) -> Values:
+def observe_readout(setting: Setting, stream: EventTable) -> Values:
     """A busy bus leaves no short gaps between pixels; overflow leaves long ones; a clock has ticks."""
     part, t_us, row = stream.part, stream.t_us, stream.pixel // setting.scene.width
     gap = bin_numbers(since(t_us, np.zeros_like(row), 1), GAPS_US)
@@ -51,7 +51,7 @@ def shared(t_us: NDArray[np.int64], row: NDArray[np.int64], height: int) -> NDAr
     return np.where(alone, -1, np.where(alone_in_row, 0, 1))
 
 
-def holes(setting: Setting, stream: Stream) -> Values:
+def holes(setting: Setting, stream: EventTable) -> Values:
     """(PARTS, HOLES) milliseconds without an event of a tile's pixels, though light changed enough."""
     edges_us = np.arange(setting.block_edges_us[0], setting.block_edges_us[-1], HOLE_US)
     block = np.searchsorted(setting.block_edges_us, edges_us[:-1], side="right") - 1

@@ -11,7 +11,7 @@ import scipy.fft
 
 from voltcam_lab.statistics.group import MOTION, Group, Values, labels, sums, tally
 from voltcam_lab.statistics.setting import PARTS, Setting
-from voltcam_lab.statistics.stream import Stream
+from voltcam_lab.statistics.stream import EventTable
 
 SPECTRUM_BIN_US = 1000
 SCAN_HZ = (20.0, 45.0, 55.0, 65.0, 95.0, 105.0, 115.0, 125.0, 200.0, 300.0, 480.0)
@@ -20,7 +20,7 @@ _NAMES = tuple(f"{low:g} to {high:g} Hz" for low, high in pairwise(SCAN_HZ))
 _LABELS = labels("E", "largest amplitude of ON - OFF", "value", MOTION, ("band", _NAMES), floor=0.25)
 
 
-def observe_spectrum(setting: Setting, stream: Stream) -> Values:
+def observe_spectrum(setting: Setting, stream: EventTable) -> Values:
     """Amplitudes are |sum of +-exp(2 pi i f t)| / sqrt(n): .9 on average where events come at random."""
     begin_us, end_us = setting.block_edges_us[[0, -1]]
     bins = int((end_us - begin_us) // SPECTRUM_BIN_US) + 1

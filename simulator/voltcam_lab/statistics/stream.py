@@ -15,7 +15,7 @@ NONE = -1
 
 
 @dataclass(frozen=True, eq=False)
-class Stream:
+class EventTable:
     """n events in the order (t, pixel, polarity), of the setting's pixels and time only. Columns (n,)."""
 
     t_us: NDArray[np.int64]
@@ -37,7 +37,7 @@ class Stream:
     former: NDArray[np.int64]
 
 
-def stream_of(setting: Setting, events: NDArray[np.void]) -> Stream:
+def stream_of(setting: Setting, events: NDArray[np.void]) -> EventTable:
     """Put events (EVENT dtype, in any order) in order and find their place in the setting."""
     key, bits = ordered(setting, events)
     t_us = (key >> bits) + setting.block_edges_us[0]
@@ -51,7 +51,7 @@ def stream_of(setting: Setting, events: NDArray[np.void]) -> Stream:
     )  # fmt: skip
     intensity, slope = np.divmod(stratum.astype(np.int64), SLOPES)
     moving = (slope != REST).astype(np.int64)
-    return Stream(t_us, pixel, on, part, quarter, intensity, slope, moving, log, interval_us, former)
+    return EventTable(t_us, pixel, on, part, quarter, intensity, slope, moving, log, interval_us, former)
 
 
 def ordered(setting: Setting, events: NDArray[np.void]) -> tuple[NDArray[np.int64], int]:

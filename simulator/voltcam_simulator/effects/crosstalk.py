@@ -4,7 +4,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..effect import About, Effect, Events, Readout, Sensor, State, quantity
+from ..effect import About, Effect, EventInterval, Events, Sensor, State, quantity
 from ..event_order import copied
 from ..kernel import kernel
 
@@ -36,7 +36,7 @@ class Crosstalk(Effect):
     def state(self, sensor: Sensor) -> State:
         return {"last_us": np.full(sensor.width * sensor.height, LONG_AGO_US, np.int64)}
 
-    def report(self, events: Events, readout: Readout) -> Events:
+    def report(self, events: Events, readout: EventInterval) -> Events:
         sensor, last_us = readout.sensor, readout.state[self.name]["last_us"]
         room = np.empty(5 * len(events), events.dtype)
         written = couple(

@@ -4,7 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..effect import About, Effect, Events, Readout, Sensor, quantity
+from ..effect import About, Effect, EventInterval, Events, Sensor, quantity
 from ..event_order import events_at, merged
 
 FASTEST_HZ = 1e6  # a pixel fires once in a microsecond at most: stamps are no finer
@@ -48,7 +48,7 @@ class HotPixels(Effect):
         rate_hz = alive * np.minimum(self.rate_hz * 10 ** (self.spread_decades * spread[hot]), FASTEST_HZ)
         sensor.own[self.name] = {"pixel": pixel[hot], "rate_hz": rate_hz}
 
-    def report(self, events: Events, readout: Readout) -> Events:
+    def report(self, events: Events, readout: EventInterval) -> Events:
         hot, rng = readout.sensor.own[self.name], readout.generator(self.name)
         counts = rng.poisson(hot["rate_hz"] * readout.span_us * 1e-6)
         if not counts.any():  # the rule where frames are many and pixels few: save ten calls

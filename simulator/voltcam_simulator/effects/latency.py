@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..effect import About, Effect, Events, Readout, Sensor, State, quantity
+from ..effect import About, Effect, EventInterval, Events, Sensor, State, quantity
 from ..event_order import in_time_order
 from ..kernel import kernel
 from ..random import normal
@@ -44,7 +44,7 @@ class Latency(Effect):
     def state(self, sensor: Sensor) -> State:
         return {"left_us": np.full(sensor.width * sensor.height, np.iinfo(np.int64).min, np.int64)}
 
-    def report(self, events: Events, readout: Readout) -> Events:
+    def report(self, events: Events, readout: EventInterval) -> Events:
         left_us = readout.state[self.name]["left_us"]
         key = readout.key(self.name)
         delay(events, self.delay_us, self.jitter_us, key, readout.sensor.width, left_us)

@@ -4,7 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..effect import About, Effect, Events, Readout, quantity
+from ..effect import About, Effect, EventInterval, Events, quantity
 from ..event_order import events_at, merged
 
 
@@ -39,7 +39,7 @@ class NoisePairs(Effect):
     def active(self) -> bool:
         return self.rate_hz > 0
 
-    def report(self, events: Events, readout: Readout) -> Events:
+    def report(self, events: Events, readout: EventInterval) -> Events:
         rng, sensor = readout.generator(self.name), readout.sensor
         pixels = sensor.width * sensor.height
         number = rng.poisson(self.rate_hz * pixels * readout.span_us * 1e-6)

@@ -4,8 +4,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..effect import About, Effect, Events, Sensor, State, quantity
-from ..effect import Readout as Interval
+from ..effect import About, Effect, EventInterval, Events, Sensor, State, quantity
 from ..event_order import copied
 from ..kernel import kernel
 
@@ -50,7 +49,7 @@ class Readout(Effect):
             "busy_us": np.zeros(1),  # how long the bus stays busy after the interval
         }
 
-    def report(self, events: Events, readout: Interval) -> Events:
+    def report(self, events: Events, readout: EventInterval) -> Events:
         bus = readout.state[self.name]
         out = np.empty(len(events) + int(bus["counts"].sum()), events.dtype)
         written = serve(

@@ -4,7 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..effect import About, Effect, Events, Readout, quantity
+from ..effect import About, Effect, EventInterval, Events, quantity
 
 
 class TimestampQuantum(Effect):
@@ -28,7 +28,7 @@ class TimestampQuantum(Effect):
     def stamp_us(self, t_us: int) -> int:
         return t_us // self.quantum_us * self.quantum_us
 
-    def report(self, events: Events, readout: Readout) -> Events:
+    def report(self, events: Events, readout: EventInterval) -> Events:
         t_us = np.ascontiguousarray(events["t"])
         events["t"] = t_us // self.quantum_us * self.quantum_us
         return events

@@ -4,7 +4,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..effect import About, Effect, Events, Readout, Sensor, State, quantity
+from ..effect import About, Effect, EventInterval, Events, Sensor, State, quantity
 from ..event_order import copied
 from ..kernel import kernel
 
@@ -35,7 +35,7 @@ class UsbOverflow(Effect):
     def state(self, sensor: Sensor) -> State:
         return {"level": np.zeros(1), "stalled": np.zeros(1, np.bool_)}
 
-    def report(self, events: Events, readout: Readout) -> Events:
+    def report(self, events: Events, readout: EventInterval) -> Events:
         state, per_us = readout.state[self.name], self.max_rate_events_per_s * 1e-6
         kept = buffer(
             events,

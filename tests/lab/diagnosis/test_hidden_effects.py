@@ -24,7 +24,7 @@ from tests.hidden_effects.score import (
     table,
 )
 
-from voltcam_lab.diagnosis.outcome.result import Estimate
+from voltcam_lab.diagnosis.outcome.result import IntervalEstimate
 
 GRID = grid(REPORTED_FROM)
 
@@ -57,7 +57,7 @@ def as_asked(case: Case) -> Line:
     estimates = {}
     if case.part == "singles" and case.effects[0][0] == "flicker":
         depth = drawn(case).effects[0].parameters["depth"]
-        estimates = {"depth": Estimate(value=1.1 * depth, low=0.9 * depth, high=1.3 * depth)}
+        estimates = {"depth": IntervalEstimate(value=1.1 * depth, low=0.9 * depth, high=1.3 * depth)}
     names = ["latency" if name == "clock_offset" else name for name, _ in case.effects]
     return answered(case, Named(name=names[0], parameters=estimates), *names[1:])
 
@@ -193,14 +193,17 @@ def test_rivals_beside_the_name_are_told() -> None:
 def test_size_is_compared_in_the_registrys_terms() -> None:
     """30 Hz at 128 DN, growing with L + 20, is 55.7 Hz at 255 DN; a ratio has its thresholds' ends."""
     cutoff = Named(
-        name="photoreceptor_bandwidth", parameters={"cutoff_hz": Estimate(value=60, low=50, high=70)}
+        name="photoreceptor_bandwidth", parameters={"cutoff_hz": IntervalEstimate(value=60, low=50, high=70)}
     )
     case = named("singles/photoreceptor_bandwidth/strong/0")
     size = judge(case, answered(case, cutoff)).size
     assert size is not None
     assert size.true == pytest.approx(30 * 275 / 148)
     assert (size.low, size.value) == (50, 60)
-    on, off = Estimate(value=1.1, low=1.05, high=1.15), Estimate(value=0.9, low=0.85, high=0.95)
+    on, off = (
+        IntervalEstimate(value=1.1, low=1.05, high=1.15),
+        IntervalEstimate(value=0.9, low=0.85, high=0.95),
+    )
     case = named("singles/comparator/weak/0")
     both = answered(case, Named(name="comparator", parameters={"theta_on": on, "theta_off": off}))
     size = judge(case, both).size

@@ -19,15 +19,15 @@ from ..search.state import Search
 from ..session import Session
 from .result import (
     Detectable,
-    Effect,
-    Estimate,
+    DiagnosisSettings,
+    FoundEffect,
     Gap,
     Identifiable,
+    IntervalEstimate,
     Known,
     Residual,
     Result,
     Seeds,
-    Settings,
     Stratum,
     Versions,
 )
@@ -70,7 +70,7 @@ def result_of(
         versions=Versions(
             voltcam=metadata.version("voltcam"), numpy=np.__version__, python=platform.python_version()
         ),
-        settings=Settings(
+        settings=DiagnosisSettings(
             recording=session.name, camera=session.camera.name, looked_at=session.looked_at(),
             seconds=session.seconds, columns=session.columns.tolist(),
             upsampling=str(session.rig.setting.scene.how), taken_out=list(session.taken_out),
@@ -129,7 +129,7 @@ def _taken_out(session: Session) -> str:
 
 def size_estimates(
     diagnosis: Diagnosis, candidate: Candidate, origin_us: int = 0, settings: SearchSettings = DEFAULTS
-) -> dict[str, Estimate]:
+) -> dict[str, IntervalEstimate]:
     """Of an accepted effect's sizes, by its own parameters' names, on a clock whose zero the diagnosis has at
     -origin_us."""
     place, hypothesis = len(BASE), diagnosis.hypothesis
@@ -142,12 +142,14 @@ def size_estimates(
     sd = np.sqrt(np.diag(diagnosis.covariance)[sizes] + settings.reporting.systematic_log_sd**2)
     half_widths = tuple(Z_90 * float(one) for one in sd)
     found = candidate.intervals(hypothesis.parameters(), half_widths, origin_us)
-    return {name: Estimate(value=value, low=low, high=high) for name, (value, low, high) in found.items()}
+    return {
+        name: IntervalEstimate(value=value, low=low, high=high) for name, (value, low, high) in found.items()
+    }
 
 
-def _effect(diagnosis: Diagnosis, found: Found, origin_us: int, settings: SearchSettings) -> Effect:
+def _effect(diagnosis: Diagnosis, found: Found, origin_us: int, settings: SearchSettings) -> FoundEffect:
     before, after = found.step, diagnosis.after(found)
-    return Effect(
+    return FoundEffect(
         name=found.effect,
         parameters=size_estimates(diagnosis, found.trial.candidate, origin_us, settings),
         gap_before=before.held_out,
@@ -188,7 +190,7 @@ def _strata(found: Ranked, reporting: Reporting) -> list[Stratum]:
             measured=float(found.measured[i]),
             expected=float(found.expected[i]),
             unit="share" if COUNTS[i] else "value",
-            effect=Estimate(
+            effect=IntervalEstimate(
                 value=float(found.difference[i]), low=float(found.low[i]), high=float(found.high[i])
             ),
         )

@@ -10,10 +10,10 @@ from ..catalogue.entries import in_words
 from ..search.identify import Identifiability, mixed_up, percent, short, smallest
 from ..search.loop import Diagnosis
 from ..search.state import Search
-from ..search.step import Step
+from ..search.step import SearchStep
 from ..session import Session
 from . import figures_events, figures_statistics
-from .result import Effect, Estimate, Result
+from .result import FoundEffect, IntervalEstimate, Result
 from .where import Ranked, View, gaps_by_group, label_in_words, numbers, ranked, views
 
 _TONE = {"effects": "warn", "none": "good", "unknown": "bad"}
@@ -86,7 +86,7 @@ def _gaps(diagnosis: Diagnosis) -> Markup:
     return figure(drawn, caption)
 
 
-def _effects(effects: Sequence[Effect]) -> Markup:
+def _effects(effects: Sequence[FoundEffect]) -> Markup:
     rows = []
     for one in effects:
         sizes = Markup("<br>").join(f"{name} = {_interval(size)}" for name, size in one.parameters.items())
@@ -96,7 +96,7 @@ def _effects(effects: Sequence[Effect]) -> Markup:
     return table(["effect", "parameters, 90 % interval", "held-out gap (floor)", "p", "rivals"], rows)
 
 
-def _tested(step: Step) -> Markup:
+def _tested(step: SearchStep) -> Markup:
     """What else was fitted, last, and why it was not taken."""
     rows = [
         [trial.candidate.effect, ", ".join(trial.candidate.names), trial.gained, trial.confirmed]
@@ -214,7 +214,7 @@ def _detectable(identifiability: Identifiability) -> list[Markup]:
     return [table(["effect", "seen from"], part) for part in (rows[:half], rows[half:]) if part]
 
 
-def _interval(one: Estimate) -> str:
+def _interval(one: IntervalEstimate) -> str:
     return f"{short(one.value)} ({short(one.low)} to {short(one.high)})"
 
 

@@ -11,7 +11,7 @@ class _Record(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class Estimate(_Record):
+class IntervalEstimate(_Record):
     """A parameter's value and its 90 % interval."""
 
     value: float
@@ -19,11 +19,11 @@ class Estimate(_Record):
     high: float
 
 
-class Effect(_Record):
+class FoundEffect(_Record):
     """An effect that the camera file lacks. Gaps are those of the step that found it, on held-out data."""
 
     name: str = Field(description="as in the registry of effects, and in camera files")
-    parameters: dict[str, Estimate]
+    parameters: dict[str, IntervalEstimate]
     gap_before: float
     gap_after: float
     gap_floor: float = Field(description="what chance alone would leave")
@@ -45,9 +45,9 @@ class Residual(_Record):
 
 
 class Stratum(_Record):
-    """A statistic of the battery that differs."""
+    """A statistic that differs."""
 
-    group: str = Field(description="letter of the battery's group, A to J")
+    group: str = Field(description="letter of its group, A to J")
     statistic: str
     strata: dict[str, str]
     z: float = Field(description="measured less expected, of the spread of simulated twins")
@@ -57,7 +57,7 @@ class Stratum(_Record):
     unit: Literal["share", "value"] = Field(
         description="of the effect size: share of what is expected, or the statistic's own"
     )
-    effect: Estimate = Field(description="effect size: measured less expected, with a 90 % interval")
+    effect: IntervalEstimate = Field(description="effect size: measured less expected, with a 90 % interval")
 
 
 class Gap(_Record):
@@ -110,7 +110,7 @@ class Versions(_Record):
     python: str
 
 
-class Settings(_Record):
+class DiagnosisSettings(_Record):
     """What was looked at, and how."""
 
     recording: str
@@ -131,7 +131,7 @@ class Result(_Record):
 
     verdict: Literal["effects", "none", "unknown"]
     sentence: str = Field(description="the verdict for a person")
-    effects: list[Effect]
+    effects: list[FoundEffect]
     residual: Residual | None
     where: list[Stratum] = Field(description="where the fitted camera file disagrees, worst first")
     where_after: list[Stratum] = Field(description="the same with the effects added")
@@ -139,7 +139,7 @@ class Result(_Record):
     identifiability: Identifiable
     seeds: Seeds
     versions: Versions
-    settings: Settings
+    settings: DiagnosisSettings
 
 
 def schema() -> dict[str, Any]:

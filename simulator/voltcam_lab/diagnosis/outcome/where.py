@@ -12,7 +12,7 @@ from ..search.loop import Diagnosis
 from ..search.robust import mean_huber
 from ..search.spread import HELD_OUT, TwinSpread, flat
 from ..search.state import Search
-from ..search.step import Step
+from ..search.step import SearchStep
 
 Z_90 = 1.645
 """Half width of a 90 % interval of a normal distribution [standard deviations]."""
@@ -65,13 +65,13 @@ def views(search: Search, diagnosis: Diagnosis) -> dict[str, View]:
     return {"before": first, "after": last}
 
 
-def _view(search: Search, step: Step) -> View:
+def _view(search: Search, step: SearchStep) -> View:
     share = search.settings.model_error.statistic_share
     expected = fitted_mean(step, search.data)
     return View(step.hypothesis, step.screen.spread, expected, step.held_out, step.floor_held_out, share)
 
 
-def fitted_mean(step: Step, data: Values) -> Values:
+def fitted_mean(step: SearchStep, data: Values) -> Values:
     """(PARTS, n) what the model of a step gives on average, its own parameters moved to fit best."""
     screen = step.screen
     own = screen.own(flat((data - screen.spread.mean) / screen.spread.inflated_sd))

@@ -21,7 +21,7 @@ from .proof import (
 )
 from .spread import flat
 from .state import Search
-from .step import Step, base_fitted, step_of
+from .step import SearchStep, base_fitted, step_of
 from .trial import Trial
 from .unlisted import ResidualTerm, residual_of, residual_step
 
@@ -33,7 +33,7 @@ class Found:
     """An effect that was missing, the step that found it, and those that explain as much."""
 
     trial: Trial
-    step: Step
+    step: SearchStep
     rivals: tuple[str, ...]
 
     @property
@@ -55,11 +55,11 @@ class Diagnosis:
     verdict: Verdict
     found: tuple[Found, ...]
     hypothesis: Hypothesis
-    steps: tuple[Step, ...]
+    steps: tuple[SearchStep, ...]
     covariance: NDArray[np.float64] | None = None
     residual: ResidualTerm | None = None
 
-    def after(self, one: Found) -> Step:
+    def after(self, one: Found) -> SearchStep:
         """The step with this effect in the hypothesis; others may have come and gone since."""
         following = self.found[self.found.index(one) + 1 :]
         return following[0].step if following else self.steps[-1]
@@ -71,9 +71,9 @@ def diagnose(search: Search, hypothesis: Hypothesis) -> Diagnosis:
     search.say("Fitting the base parameters of the camera.")
     step = step_of(search, base_fitted(search, hypothesis))
     search.say(_sentence(step))
-    steps: list[Step] = [step]
+    steps: list[SearchStep] = [step]
     found: list[Found] = []
-    open_step: Step | None = None
+    open_step: SearchStep | None = None
     while len(found) < settings.most_effects and (trial := best_to_add(settings, step)):
         chain = _explained(search, [*steps], trial, settings.longest_chain)
         if chain is None:
@@ -103,8 +103,8 @@ def diagnose(search: Search, hypothesis: Hypothesis) -> Diagnosis:
 
 
 def _explained(
-    search: Search, steps: Sequence[Step], trial: Trial, most: int, begin: Step | None = None
-) -> list[tuple[Found, Step]] | None:
+    search: Search, steps: Sequence[SearchStep], trial: Trial, most: int, begin: SearchStep | None = None
+) -> list[tuple[Found, SearchStep]] | None:
     """The effects, `most` at most, each with the step after it, that explain the gap of the last of `steps`
     beginning with `trial`; None where they leave too much of it. begin: the step before others that have not
     explained it alone."""
@@ -123,7 +123,9 @@ def _explained(
     return None if rest is None else [(one, after), *rest]
 
 
-def _better_without_name(search: Search, before: Step, chain: Sequence[tuple[Found, Step]]) -> Step | None:
+def _better_without_name(
+    search: Search, before: SearchStep, chain: Sequence[tuple[Found, SearchStep]]
+) -> SearchStep | None:
     """The step at which a drift or noise without a name fits better than effects that explain a gap but
     leave some of it; None where none does."""
     last, after = chain[-1]
@@ -136,7 +138,7 @@ def _better_without_name(search: Search, before: Step, chain: Sequence[tuple[Fou
     return opened if better else None
 
 
-def _drop_needless(search: Search, found: list[Found], steps: list[Step]) -> None:
+def _drop_needless(search: Search, found: list[Found], steps: list[SearchStep]) -> None:
     """Take out effects without which the others explain the gap as well; one found first, for want of what
     was found later, may be such. Each time there is one step more."""
     for one in [*found]:
@@ -153,7 +155,7 @@ def _drop_needless(search: Search, found: list[Found], steps: list[Step]) -> Non
             search.say(_sentence(without))
 
 
-def _residual(search: Search, step: Step, opened: Step | None) -> ResidualTerm | None:
+def _residual(search: Search, step: SearchStep, opened: SearchStep | None) -> ResidualTerm | None:
     search.say("No listed effect explains what is left: looking for a drift or a noise that does.")
     if opened is None or opened.hypothesis is not step.hypothesis:
         opened = residual_step(search, step.hypothesis)
@@ -180,7 +182,7 @@ def _needed(search: Search, found: list[Found], hypothesis: Hypothesis) -> list[
     return kept
 
 
-def _sentence(step: Step) -> str:
+def _sentence(step: SearchStep) -> str:
     gap = (
         f"Gap {step.training:.2f} in training and {step.held_out:.2f} in held-out data, where chance leaves"
         f" {step.floor_training:.2f}"

@@ -5,11 +5,11 @@ import numpy as np
 from .robust import huber
 from .settings import SearchSettings
 from .spread import TRAINING, flat
-from .step import Step
+from .step import SearchStep
 from .trial import Trial
 
 
-def explains(settings: SearchSettings, before: Step, after: Step, first: Step) -> bool:
+def explains(settings: SearchSettings, before: SearchStep, after: SearchStep, first: SearchStep) -> bool:
     """Whether what was added closes the gap, or so much of it that it is there whatever else is.
 
     That is nearly all; or most of it at the first step, where no other effect has anything like it; or a
@@ -34,14 +34,16 @@ def explains(settings: SearchSettings, before: Step, after: Step, first: Step) -
     return (after.excess <= closed and removed >= least) or removed >= nearly_all or alone or distinct
 
 
-def _others_remove(before: Step, after: Step) -> float:
+def _others_remove(before: SearchStep, after: SearchStep) -> float:
     """The largest share of the gap that any effect but the added one has removed in its trial."""
     added = after.hypothesis.accepted[-1][0].effect
     left = [trial.training for trial in before.trials if trial.candidate.effect != added]
     return (before.training - min(left, default=before.training)) / max(before.excess, 1e-9)
 
 
-def explain_together(settings: SearchSettings, begin: Step, before: Step, after: Step) -> bool:
+def explain_together(
+    settings: SearchSettings, begin: SearchStep, before: SearchStep, after: SearchStep
+) -> bool:
     """Whether effects none of which explains it alone close nearly all of a gap, the last a good part of
     what the others leave, and leave nothing that is plain to see: two can take most of any other's place."""
     proof = settings.proof
@@ -50,7 +52,7 @@ def explain_together(settings: SearchSettings, begin: Step, before: Step, after:
     return of_all >= proof.together_share and of_rest >= proof.last_share and not plain
 
 
-def confirmed_trials(settings: SearchSettings, step: Step) -> list[Trial]:
+def confirmed_trials(settings: SearchSettings, step: SearchStep) -> list[Trial]:
     """Trials beyond chance over the whole catalogue, worth it, and confirmed on held-out data.
 
     The gap there may be smaller, of a few hot pixels: no more than that can be confirmed.
@@ -67,7 +69,7 @@ def confirmed_trials(settings: SearchSettings, step: Step) -> list[Trial]:
     return confirmed
 
 
-def plausible_trials(settings: SearchSettings, step: Step) -> list[Trial]:
+def plausible_trials(settings: SearchSettings, step: SearchStep) -> list[Trial]:
     """Confirmed trials of effects no stronger than cameras may have them."""
     return [
         one
@@ -76,7 +78,7 @@ def plausible_trials(settings: SearchSettings, step: Step) -> list[Trial]:
     ]
 
 
-def best_to_add(settings: SearchSettings, step: Step) -> Trial | None:
+def best_to_add(settings: SearchSettings, step: SearchStep) -> Trial | None:
     """The best plausible trial, if it removes enough of the gap to be the first of effects that explain it
     together.
 
@@ -89,7 +91,7 @@ def best_to_add(settings: SearchSettings, step: Step) -> Trial | None:
     return best if best.candidate.possible(best.hypothesis.sizes()[-1]) else None
 
 
-def rivals_of(settings: SearchSettings, step: Step, best: Trial) -> tuple[str, ...]:
+def rivals_of(settings: SearchSettings, step: SearchStep, best: Trial) -> tuple[str, ...]:
     """Effects that explain as much, as far as chance lets one tell, or that held-out data prefer."""
     rivals = []
     for trial in plausible_trials(settings, step):
@@ -99,19 +101,19 @@ def rivals_of(settings: SearchSettings, step: Step, best: Trial) -> tuple[str, .
     return tuple(dict.fromkeys(effect for effect in rivals if effect != best.candidate.effect))
 
 
-def fits_better(settings: SearchSettings, step: Step, trial: Trial, added: Trial) -> bool:
+def fits_better(settings: SearchSettings, step: SearchStep, trial: Trial, added: Trial) -> bool:
     """Whether a trial at a step leaves less of a gap than the last of what was added from there, by more
     than chance lets one tell; both as fitted by simulation."""
     gained = flat(trial.mean).size * (added.training - trial.training)
     return gained > _tied(settings, step, trial, added)
 
 
-def _tied(settings: SearchSettings, step: Step, one: Trial, other: Trial) -> float:
+def _tied(settings: SearchSettings, step: SearchStep, one: Trial, other: Trial) -> float:
     """Training loss by which two trials must differ to be told apart."""
     distance = float(np.linalg.norm(flat((one.mean - other.mean) / step.screen.spread.inflated_sd)))
     return settings.proof.tied + settings.proof.tied_per_distance * distance
 
 
-def _training_size(step: Step) -> int:
+def _training_size(step: SearchStep) -> int:
     """Number of statistics in the training parts."""
     return len(TRAINING) * int(step.screen.spread.mean.shape[1])

@@ -18,7 +18,7 @@ from .trial import Trial, TrialBench
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class SearchStep:
     """Where the search is: gaps of the hypothesis in training and held-out parts, what chance alone would
     leave (floors), the scores of the score test, the least training loss that counts, and the trials, best
     first: none where scores are within chance or next to nothing. rest: (PARTS, n) deviations that base
@@ -67,8 +67,8 @@ def step_of(
     search: Search,
     hypothesis: Hypothesis,
     candidates: Sequence[Candidate] | None = None,
-    first: Step | None = None,
-) -> Step:
+    first: SearchStep | None = None,
+) -> SearchStep:
     """Look at the gap of a fitted hypothesis. candidates: in place of all. first: the step before there was
     any effect in it."""
     settings, data = search.settings, search.data
@@ -92,7 +92,7 @@ def step_of(
     chance = np.mean([huber(z) for z in spread.left_out], axis=0)
     floor_training, floor_held_out = (float(flat(chance, parts).mean()) for parts in (TRAINING, HELD_OUT))
     bench = TrialBench(search, screen, left, floor_training + settings.trials.at_chance)
-    return Step(
+    return SearchStep(
         hypothesis, screen, rest, chance, training, mean_huber(flat(rest, HELD_OUT)), floor_training,
         floor_held_out, scores, p_value, least, _trials(bench, chosen, scores),
     )  # fmt: skip

@@ -8,7 +8,7 @@ from ..catalogue.candidate import Candidate
 from .hypothesis import Hypothesis
 from .settings import OpenRoute, SearchSettings
 from .state import Search
-from .step import Step, step_of
+from .step import SearchStep, step_of
 from .trial import Trial
 
 
@@ -19,7 +19,7 @@ class ResidualTerm:
     trial: Trial
     formula: str
     others: tuple[str, ...]
-    step: Step
+    step: SearchStep
 
     @property
     def hypothesis(self) -> Hypothesis:
@@ -50,13 +50,13 @@ def forms(parameters: Parameters, route: OpenRoute, whole: bool = True) -> tuple
     return (*drifts, *slopes, *noises)
 
 
-def residual_step(search: Search, hypothesis: Hypothesis) -> Step:
+def residual_step(search: Search, hypothesis: Hypothesis) -> SearchStep:
     """A step of the search over the forms instead of the catalogue."""
     tried = forms(hypothesis.parameters(), search.settings.open_route, search.whole)
     return step_of(search, hypothesis, tried)
 
 
-def residual_of(settings: SearchSettings, step: Step, confirmed: Trial) -> ResidualTerm:
+def residual_of(settings: SearchSettings, step: SearchStep, confirmed: Trial) -> ResidualTerm:
     """What such a step found, with the trial that held-out data confirm."""
     return ResidualTerm(confirmed, formula_of(confirmed), tied_forms(settings, step, confirmed), step)
 
@@ -76,7 +76,7 @@ def _brightness(dark_dn: float, power: float) -> str:
     return f"((L + {dark_dn:g})/{128 + dark_dn:g})^{power:g}"
 
 
-def tied_forms(settings: SearchSettings, step: Step, best: Trial) -> tuple[str, ...]:
+def tied_forms(settings: SearchSettings, step: SearchStep, best: Trial) -> tuple[str, ...]:
     """Forms whose score is no worse than the best one's by `Proof.tied`, beside it, in words."""
     top = max(float(step.scores.max()), 0.0)
     names = []
