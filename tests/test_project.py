@@ -1,8 +1,10 @@
 """What the project says of itself in several places agrees: versions of Python, of Voltcam, and CI."""
 
+import ast
 import os
 import re
 import tomllib
+from collections import Counter
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -13,6 +15,7 @@ import yaml
 from voltcam_client.cli import main
 
 ROOT = Path(__file__).parents[1]
+SOURCES = [path for room in ("client", "simulator", "server") for path in (ROOT / room).rglob("*.py")]
 PROJECT: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 
 
@@ -45,6 +48,16 @@ def test_the_version_stands_in_one_place(capsys: pytest.CaptureFixture[str]) -> 
     assert ended.value.code == 0
     assert capsys.readouterr().out == f"voltcam {metadata.version('voltcam')}\n"
     assert metadata.version("voltcam") == PROJECT["version"]
-    sources = [path for room in ("client", "simulator", "server") for path in (ROOT / room).rglob("*.py")]
-    assert len(sources) > 100
-    assert not [path for path in sources if f'"{PROJECT["version"]}"' in path.read_text()]
+    assert len(SOURCES) > 100
+    assert not [path for path in SOURCES if f'"{PROJECT["version"]}"' in path.read_text()]
+
+
+def test_a_class_name_means_one_thing() -> None:
+    names = Counter(
+        node.name
+        for path in SOURCES
+        for node in ast.parse(path.read_text()).body
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
+    )
+    assert len(names) > 200
+    assert not [name for name, count in names.items() if count > 1]

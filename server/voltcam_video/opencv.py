@@ -15,7 +15,7 @@ if "OPENCV_LOG_LEVEL" not in os.environ:
     silence = getattr(cv2, "setLogLevel", None) or cv2.utils.logging.setLogLevel
     silence(0)
 
-__all__ = ["Capture", "backends", "cv2", "fourcc_text"]
+__all__ = ["CvCapture", "backends", "cv2", "fourcc_text"]
 
 
 class CvCapture(Protocol):
