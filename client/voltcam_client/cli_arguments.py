@@ -2,9 +2,9 @@
 
 import math
 
-from voltcam_client.camera import DEFAULT_URL
+from voltcam_client import camera
 
-URL_HELP = f"where the camera is (default: {DEFAULT_URL})"
+URL_HELP = f"where the camera is (default: {camera.DEFAULT_URL})"
 
 
 def seconds(text: str) -> float:

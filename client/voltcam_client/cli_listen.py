@@ -7,7 +7,8 @@ import signal
 import time
 from dataclasses import asdict
 
-from voltcam_client.camera import DEFAULT_URL, EventCamera
+from voltcam_client import camera
+from voltcam_client.camera import EventCamera
 from voltcam_client.cli_arguments import URL_HELP, seconds
 from voltcam_client.meter import measure
 from voltcam_client.terminal import until_signal
@@ -22,7 +23,7 @@ examples:
   voltcam listen --json | jq .events_per_s
 
 The latency is this machine's clock less the camera's: synchronise the two before you trust it."""
-    parser.add_argument("url", metavar="URL", nargs="?", default=DEFAULT_URL, help=URL_HELP)
+    parser.add_argument("url", metavar="URL", nargs="?", default=camera.DEFAULT_URL, help=URL_HELP)
     parser.add_argument("--seconds", metavar="N", type=seconds, help="end after N seconds")
     parser.add_argument("--json", action="store_true", help="print a JSON object per line")
     parser.set_defaults(run=_listen)

@@ -4,7 +4,7 @@ import argparse
 import signal
 from pathlib import Path
 
-from voltcam_client.camera import DEFAULT_URL
+from voltcam_client import camera
 from voltcam_client.cli_arguments import URL_HELP, seconds
 from voltcam_client.formats import SUFFIXES, check_writable
 from voltcam_client.meter import short
@@ -36,7 +36,7 @@ What is recorded is safe at every moment: it can be read after Ctrl-C, a kill or
 def _record(args: argparse.Namespace) -> int:
     if len(args.target) > 2:
         raise ValueError(f"record takes [URL] FILE, not {' '.join(args.target)}: quote names with blanks")
-    url, file = [DEFAULT_URL, *args.target][-2:]
+    url, file = [camera.DEFAULT_URL, *args.target][-2:]
     path = Path(file)
     check_writable(path, overwrite=args.overwrite)  # now, not when the first packet has come
     with until_signal(signal.SIGINT, signal.SIGTERM) as stopped, live_line() as show:

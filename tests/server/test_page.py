@@ -19,6 +19,8 @@ from tests.ports import free_port
 
 from voltcam_client.packet import EVENT, Packet, encode_packet, pack_message
 
+from .rig import until
+
 CHROMIUM = Path("/usr/bin/chromium")
 CHROMIUM_ARGS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"]
 CHROMIUM_ARGS += ["--disable-background-networking", "--disable-component-update", "--disable-sync"]
@@ -265,7 +267,9 @@ def test_a_daemon_that_dies_is_announced_and_found_again(page: Page, daemon: Dae
     expect(page.locator("#banner-words")).to_have_text("The daemon does not answer. Trying again…")
     expect(page.locator("#rate")).to_have_text("0")
     daemon.start()
-    expect(page.locator("#banner")).to_be_hidden()
+    expect(page.locator("#banner-words")).not_to_contain_text(
+        "does not answer"
+    )  # it may be overloaded at first
     expect(page.locator("#rate")).not_to_have_text("0")
 
 
@@ -452,7 +456,7 @@ def test_recordings_are_begun_and_ended(page: Page, daemon: Daemon) -> None:
     page.wait_for_timeout(500)
     page.locator("#record-button").click()
     expect(page.locator("#record-button")).to_have_text("Record")
-    assert (daemon.folder / "page.npz").exists()
+    until((daemon.folder / "page.npz").exists, "the recording is there")
 
 
 def test_a_recording_that_has_ended_is_played_again(page: Page, daemon: Daemon) -> None:

@@ -351,17 +351,17 @@ def test_run_goes_on_where_it_stopped(tmp_path: Path) -> None:
 
 
 def test_a_strong_effect_is_named_for_real() -> None:
-    """What is small enough for every day: a quarter of a recording, on a development seed."""
+    """What is small enough for every day: a ninth of a recording, on a development seed."""
     case = next(case for case in grid(0) if case.name == "singles/hot_pixels/strong/0")
     asked = question(case, recorded(case))
-    columns, end_us = 24, 3_000_000
+    columns, end_us = 16, 2_000_000
     kept = (asked.events["t"] < end_us) & (asked.events["x"] < columns)
     shown = asked.frame_t_us <= end_us
-    quarter = replace(
+    part = replace(
         asked, events=asked.events[kept], frames=asked.frames[shown, :, :columns], width=columns,
         frame_t_us=asked.frame_t_us[shown],
     )  # fmt: skip
-    found = judge(case, Line(case=case.name, verdict=ask(quarter)))
+    found = judge(case, Line(case=case.name, verdict=ask(part)))
     assert found.outcome == "right", found
     assert found.line.verdict is not None
     assert share_removed(found.line.verdict) > 0.9
