@@ -3,7 +3,6 @@
 Every figure is CPU time of one thread unless it says otherwise: median over repeats, with the least and most.
 """
 
-import json
 import os
 import subprocess
 import sys
@@ -11,9 +10,10 @@ import tempfile
 import time
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator
-from dataclasses import asdict
 from functools import partial
 from itertools import pairwise
+from pathlib import Path
+from statistics import median
 
 import numpy as np
 from tqdm import tqdm
@@ -23,7 +23,8 @@ from voltcam_video import Frame, along_flow
 from voltcam_video.sources.scene import render
 
 from .bench_figure import REPEATS, Figure, Frames, repeated
-from .bench_limits import machine, numpy_paper_law
+from .bench_limits import MachineLimits, numpy_paper_law
+from .bench_report import BenchReport
 from .bench_scene import moving, noisy
 
 STILL_FRAMES = 600  # twenty seconds: long enough for the start, eight frames and a draw, to be a small part
@@ -32,36 +33,45 @@ SIZES = {"346x260": (346, 260, 60), "1280x720": (1280, 720, 12)}  # width, heigh
 
 def configure(parser: ArgumentParser) -> None:
     """The command line of `voltcam bench`."""
-    parser.add_argument("--json", action="store_true", help="print the figures as JSON")
+    parser.add_argument("--json", action="store_true", help="print the figures as JSON, to be compared later")
+    parser.add_argument(
+        "--compare", type=Path, metavar="OLD.json", help="hold the figures against those of an older run"
+    )
     parser.set_defaults(run=run)
 
 
 def run(arguments: Namespace) -> int:
     """Measure everything and print it; the bar goes to standard error."""
-    figures = []
-    for measure in tqdm(list(plan()), desc="voltcam bench", disable=None, leave=False):
+    old = BenchReport.read(arguments.compare) if arguments.compare else None
+    limits = MachineLimits.measured()
+    figures = list(limits.figures)
+    for measure in tqdm(list(plan(limits)), desc="voltcam bench", disable=None, leave=False):
         found = measure()
         figures += found
-        if not arguments.json:
+        if not (arguments.json or old):
             tqdm.write("\n".join(map(str, found)))
+    report = BenchReport.of(figures)
     if arguments.json:
-        sys.stdout.write(json.dumps([asdict(figure) for figure in figures], indent=1) + "\n")
+        sys.stdout.write(report.to_json())
+    if old:
+        (sys.stderr if arguments.json else sys.stdout).write(report.against(old) + "\n")
     return 0
 
 
-def plan() -> Iterator[Callable[[], list[Figure]]]:
+def plan(limits: MachineLimits) -> Iterator[Callable[[], list[Figure]]]:
     """What is measured, in order."""
     base, camera = Parameters.of("paper"), Parameters.of("davis346")
-    yield machine
+    pace = partial(speed, limits)
     for size, (width, height, count) in SIZES.items():
         scene = moving(count, width, height)
         still = np.broadcast_to(scene[0], (STILL_FRAMES, height, width))
         webcam = noisy(count, width, height)
-        yield partial(speed, f"{size} moving, base model, exact law", scene, 240, base)
-        yield partial(speed, f"{size} static, base model, exact law", still, 30, base)
-        yield partial(speed, f"{size} noise of 2 DN, base model, exact law", webcam, 30, base)
-        yield partial(speed, f"{size} moving, davis346, all its effects", scene, 240, camera)
-        yield partial(speed, f"{size} moving, base model, paper law", scene, 240, base, "paper")
+        yield partial(pace, f"{size} moving, base model, exact law", scene, 240, base)
+        yield partial(pace, f"{size} static, base model, exact law", still, 30, base)
+        yield partial(pace, f"{size} noise of 2 DN, base model, exact law", webcam, 30, base)
+        for fps in (240, 60, 30):
+            yield partial(pace, f"{size} moving, davis346, {fps} frames/s", scene, fps, camera)
+        yield partial(pace, f"{size} moving, base model, paper law", scene, 240, base, "paper")
         yield partial(two_threads, f"{size} two threads over one, wall time", scene, base)
     scene = moving(60, 346, 260)
     yield partial(numpy_paper_law, scene[:6])
@@ -71,11 +81,16 @@ def plan() -> Iterator[Callable[[], list[Figure]]]:
     yield start
 
 
-def speed(name: str, frames: Frames, fps: float, parameters: Parameters, law: Law = "exact") -> list[Figure]:
-    """Million pixels a CPU second, and the events that made."""
+def speed(
+    limits: MachineLimits, name: str, frames: Frames, fps: float, parameters: Parameters, law: Law = "exact"
+) -> list[Figure]:
+    """Million pixels a CPU second, the events that made, and how far it is from the machine's limit: frames
+    and state read and written once a frame, and the events sorted."""
     seconds, events = timed(frames, fps, parameters, law)
-    pixels = frames[1:].size
-    remark = f"{events / pixels:.3f} events/pixel"
+    pixels, (height, width) = frames[1:].size, frames[0].shape
+    state_bytes = Simulator(width, height, parameters, law).state_bytes * len(frames[1:])
+    least_s = limits.seconds(state_bytes + pixels, events)
+    remark = f"{events / pixels:.3f} events/pixel, {median(seconds) / least_s:.1f} times the limit"
     return [Figure.of(name, [pixels / s / 1e6 for s in seconds], "Mpx/s", remark)]
 
 

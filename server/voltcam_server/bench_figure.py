@@ -12,6 +12,10 @@ Frames = NDArray[np.uint8]
 REPEATS = 5
 
 
+MORE_IS_BETTER = ("Mpx/s", "GB/s", "times")
+"""Units; of all others less is better."""
+
+
 @dataclass
 class Figure:
     """One line of the table: a median, its spread, what it is measured in, and what to hold it against."""
@@ -30,6 +34,14 @@ class Figure:
     def __str__(self) -> str:
         figures = f"{self.median:10.4g}   {self.least:9.4g} to {self.most:<9.4g}"
         return f"{self.name:<46}{figures} {self.unit:<14} {self.remark}".rstrip()
+
+    def beside(self, old: "Figure") -> str:
+        """The line, and the median of an older run with how many times better this one is."""
+        better = self.median / old.median if old.median else float("nan")
+        if self.unit not in MORE_IS_BETTER:
+            better = 1 / better if better else float("nan")
+        figures = f"{self.median:10.4g}   was {old.median:<9.4g} {self.unit:<14}"
+        return f"{self.name:<46}{figures} {better:.2f} times as good"
 
 
 def repeated(

@@ -1,6 +1,8 @@
 """What the speeds of `voltcam bench` are held against: the machine's limits, and the same in plain numpy."""
 
+from dataclasses import dataclass
 from itertools import pairwise
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,17 +12,29 @@ from voltcam_simulator import Parameters
 from .bench_figure import Figure, Frames, repeated
 
 
-def machine() -> list[Figure]:
-    """The limits: how fast memory is copied, and how fast 64-bit numbers are sorted."""
-    source = np.ones(64 * 2**20, np.uint8)
-    target = np.empty_like(source)
-    copies = repeated(lambda: np.copyto(target, source))
-    keys = np.random.default_rng(1).integers(0, 2**62, 100_000).astype(np.uint64)
-    sorts = repeated(lambda: np.sort(keys))
-    return [
-        Figure.of("limit: memory copy", [source.size / s / 1e9 for s in copies], "GB/s"),
-        Figure.of("limit: sort of 64-bit numbers", [s / keys.size * 1e9 for s in sorts], "ns/event"),
-    ]
+@dataclass(frozen=True)
+class MachineLimits:
+    """How fast memory is copied and 64-bit numbers are sorted here: medians of `figures`."""
+
+    figures: list[Figure]
+
+    @classmethod
+    def measured(cls) -> Self:
+        """Measure them now."""
+        source = np.ones(64 * 2**20, np.uint8)
+        target = np.empty_like(source)
+        copies = repeated(lambda: np.copyto(target, source))
+        keys = np.random.default_rng(1).integers(0, 2**62, 100_000).astype(np.uint64)
+        sorts = repeated(lambda: np.sort(keys))
+        return cls([
+            Figure.of("limit: memory copy", [source.size / s / 1e9 for s in copies], "GB/s"),
+            Figure.of("limit: sort of 64-bit numbers", [s / keys.size * 1e9 for s in sorts], "ns/event"),
+        ])  # fmt: skip
+
+    def seconds(self, copied_bytes: float, events: float) -> float:
+        """The least time in which so many bytes are read and written once, and so many events sorted."""
+        copy_gb_per_s, sort_ns = (figure.median for figure in self.figures)
+        return copied_bytes / (copy_gb_per_s * 1e9) + events * sort_ns * 1e-9
 
 
 def numpy_paper_law(frames: Frames) -> list[Figure]:
