@@ -8,6 +8,10 @@ import pytest
 from numpy.typing import NDArray
 from scipy import stats
 
+from voltcam_simulator.crossings import BLOCK, cross
+from voltcam_simulator.groups import Kicks, Motion, Pixels, Reset, Step
+from voltcam_simulator.random import CROSSINGS, interval_key
+
 from .brownian import crossings, fine_steps, first_exit_cdf
 
 P_LIMIT = 1e-4
@@ -95,3 +99,62 @@ def test_a_start_on_a_barrier_fires_at_once() -> None:
     assert first.size == 100
     assert (time[first] == 0).all()
     assert on[first].all()
+
+
+def cross_all(
+    n: int, *, drift: float = 0.0, noise: float = 0.0, pending: float = 0.0, held_us: float = 0.0,
+    kicks: tuple[float, float] | None = None, room: int = 10_000, seed: int = 1,
+) -> tuple[NDArray[np.uint64], Pixels]:  # fmt: skip
+    """n pixels at 0 over a millisecond, `cross` called again until all are done."""
+    pixels = Pixels(*(np.full(n, level, np.float32) for level in (0, pending, held_us, 1, 1)))
+    size = 0.0 if kicks is None else kicks[1]
+    motion = Motion(*(np.full(n, v, np.float32) for v in (drift + size, noise / np.sqrt(1000))))
+    step = Step(interval_key(seed, CROSSINGS, 0), 1000.0, 0.0, 0, n)
+    kick = [] if kicks is None else [kicks]
+    columns = (np.array([k[i] for k in kick], np.float64).reshape(-1, 1) for i in (0, 1))
+    groups = Kicks(*columns, np.full(n, abs(size), np.float32))
+    near, done, keys = np.arange(n, dtype=np.int32), 0, np.empty(0, np.uint64)
+    while done < n:
+        space = np.empty(room, np.uint64)
+        done, written = cross(*pixels, *motion, *step, *Reset(0.0, 0.0), *groups, True, near, done, n, space)
+        keys = np.concatenate([keys, space[:written]])
+    return keys, pixels
+
+
+def test_less_room_at_a_time_gives_the_same_events() -> None:
+    """Three blocks of pixels; the room is enough for one at a time."""
+    n = 2 * BLOCK + 100
+    whole, pixels = cross_all(n, noise=1.5, room=100 * n)
+    parts, same = cross_all(n, noise=1.5, room=9 * BLOCK)
+    assert len(whole) > n
+    np.testing.assert_array_equal(parts, whole)
+    np.testing.assert_array_equal(same.voltage, pixels.voltage)
+
+
+def test_variance_that_is_pending_is_drawn_with_the_step() -> None:
+    """No noise now, 0.04 gathered before: N(0, 0.2), held within the thresholds five deviations off."""
+    keys, pixels = cross_all(4000, drift=0.0, pending=0.04)
+    assert (pixels.pending == 0).all()
+    assert len(keys) == 0
+    assert stats.kstest(pixels.voltage, stats.norm(0, 0.2).cdf).pvalue > P_LIMIT
+
+
+@pytest.mark.parametrize(("held_us", "voltage", "left_us"), [(250, 0.6, 0), (1400, 0.0, 400)])
+def test_a_pixel_in_its_dead_time_starts_when_that_ends(
+    held_us: float, voltage: float, left_us: float
+) -> None:
+    keys, pixels = cross_all(5, drift=0.8, held_us=held_us)
+    assert len(keys) == 0
+    np.testing.assert_allclose(pixels.voltage, voltage, rtol=1e-6)
+    np.testing.assert_allclose(pixels.held, left_us)
+
+
+def test_noise_comes_only_in_the_time_that_a_pixel_is_free() -> None:
+    _, pixels = cross_all(4000, noise=0.2, held_us=750)
+    assert stats.kstest(pixels.voltage, stats.norm(0, 0.1).cdf).pvalue > P_LIMIT
+
+
+def test_a_kicked_pixel_fires_at_the_kick_and_once() -> None:
+    keys, pixels = cross_all(5, drift=0.5, kicks=(400.0, 0.9))
+    assert (keys >> np.uint64(27)).tolist() == [400] * 5
+    np.testing.assert_allclose(pixels.voltage, 0.5 * 0.6, rtol=1e-6)
