@@ -48,7 +48,9 @@ def test_record_on_a_full_disk_keeps_what_it_has(running_camera: str, tmp_path: 
 
 def test_record_takes_two_words_at_most(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["record", "tcp://127.0.0.1:1", "my", "run.npz"]) == 1
-    assert_one_line(capsys.readouterr().err)
+    error = capsys.readouterr().err
+    assert_one_line(error)
+    assert "not tcp://127.0.0.1:1 my run.npz: quote names with blanks" in error
 
 
 def test_record_shows_how_it_goes_on_a_terminal(running_camera: str, tmp_path: Path) -> None:

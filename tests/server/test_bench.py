@@ -10,7 +10,7 @@ import pytest
 
 from voltcam_server import bench
 from voltcam_server.bench import Figure, cost_per_event, speed, timed
-from voltcam_server.bench_scene import moving, noisy
+from voltcam_server.bench_scene import moving
 from voltcam_simulator import Parameters, Simulator
 
 PAPER = Parameters.of("paper")
@@ -26,25 +26,6 @@ def events_of(frames: np.ndarray, period_us: int, parameters: Parameters = PAPER
     height, width = frames[0].shape
     simulator = Simulator(width, height, parameters, seed=1)
     return sum(simulator.advance(frame, period_us * i).size for i, frame in enumerate(frames))
-
-
-def test_the_scene_is_the_one_that_others_were_measured_on() -> None:
-    frames = moving(20, 346, 260)
-    assert frames.shape == (20, 260, 346)
-    assert 0.84 < (frames[1:] != frames[:-1]).mean() < 0.89
-    assert 0.17 < events_of(frames, 4167) / frames[1:].size < 0.22
-
-
-def test_the_webcam_has_noise_of_two_grey_levels() -> None:
-    frames = noisy(50, 64, 48).astype(float)
-    inside = (frames.mean(axis=0) > 20) & (frames.mean(axis=0) < 235)
-    assert abs(frames.std(axis=0)[inside].mean() - 2) < 0.1
-
-
-def test_a_figure_is_its_median_and_spread() -> None:
-    assert str(Figure.of("sort", [3.0, 1.0, 2.0], "ns", "quiet")).split() == [
-        "sort", "2", "1", "to", "3", "ns", "quiet",
-    ]  # fmt: skip
 
 
 def test_each_repeat_is_timed_and_events_are_of_one() -> None:

@@ -49,6 +49,12 @@ def test_what_came_before_counts_for_order_and_silence() -> None:
     assert "event 1" in (fault_in(events, 1, 1, longest_silence_us=49) or "")
 
 
+def test_a_step_back_from_one_block_to_the_next_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recording, "_BLOCK", 2)
+    assert fault_in(events_of((1, 0, 0), (5, 0, 0), (5, 0, 0)), 1, 1) is None
+    assert "event 2 (t=3" in (fault_in(events_of((1, 0, 0), (5, 0, 0), (3, 0, 0)), 1, 1) or "")
+
+
 def test_no_events_have_no_fault() -> None:
     assert fault_in(events_of(), 0, 0) is None
 
