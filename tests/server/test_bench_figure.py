@@ -18,6 +18,6 @@ def test_runs_are_timed_one_by_one_by_the_clock_that_is_given() -> None:
 
 
 def test_an_even_number_of_runs_has_the_mean_of_the_middle_two() -> None:
-    figure = Figure.of("copy", [4.0, 1.0, 2.0, 3.0], "GB/s")
-    assert (figure.median, figure.least, figure.most) == (2.5, 1, 4)
+    figure = Figure.of("copy", [40.0, 1.0, 2.0, 3.0], "GB/s")
+    assert (figure.median, figure.least, figure.most) == (2.5, 1, 40)
     assert not str(figure).endswith(" ")

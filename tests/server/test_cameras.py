@@ -1,8 +1,9 @@
 """Several cameras in one daemon: each its own, a pair on one clock, settings read again while they run."""
 
 from concurrent.futures import ThreadPoolExecutor
-from itertools import islice
+from itertools import islice, pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import httpx
@@ -13,6 +14,7 @@ from websockets.sync.client import connect
 
 from voltcam_client import Control, ControlError, EventCamera
 from voltcam_client.packet import decode_message
+from voltcam_server.cameras import WORST_FIRST, Cameras, NoCameraError
 
 from .rig import PATIENCE_S, Daemon, Rig, moving_frames, save_frames, tiny, until, voltcam
 
@@ -101,3 +103,37 @@ def test_a_recording_from_the_start_is_of_one_camera(rig: Rig, tmp_path: Path) -
     )
     assert done.returncode == 1
     assert "--record is for one camera" in done.stderr
+
+
+def fake(name: str, state: str = "running", reason: str = "", **emulator: Any) -> Any:
+    of = {"state": (state, reason), "failure": None, "busy": False} | emulator
+    return SimpleNamespace(name=name, emulator=SimpleNamespace(**of))
+
+
+def test_a_camera_is_found_by_name_and_the_first_without_one() -> None:
+    left, right = fake("left"), fake("right")
+    cameras = Cameras([left, right])
+    assert (cameras.get(), cameras.get("left"), cameras.get("right")) == (left, left, right)
+    with pytest.raises(NoCameraError, match="no camera 'up', only left, right: GET"):
+        cameras.get("up")
+    cameras.replace([right])
+    assert (list(cameras), cameras.get()) == ([right], right)
+    with pytest.raises(NoCameraError, match="only none"):
+        Cameras().get()
+
+
+def test_all_are_as_well_as_the_worst() -> None:
+    assert Cameras().state == ("starting", "no camera runs")
+    assert Cameras([fake("one", "ended", "it is over")]).state == ("ended", "it is over")
+    for worst, better in pairwise(WORST_FIRST):
+        cameras = Cameras([fake("left", better, "so so"), fake("right", worst, "bad"), fake("up", better)])
+        assert cameras.state == (worst, "right: bad")
+    assert Cameras([fake("left"), fake("right")]).state == ("running", "")
+
+
+def test_the_failure_of_one_is_that_of_all() -> None:
+    error = RuntimeError("a bug")
+    assert Cameras([fake("left"), fake("right")]).failure is None
+    assert Cameras([fake("left"), fake("right", failure=error)]).failure is error
+    assert Cameras([fake("left"), fake("right", busy=True)]).busy
+    assert not Cameras([fake("left")]).busy

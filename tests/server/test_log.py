@@ -1,11 +1,8 @@
 """What the daemon says by itself: a line for each change of state, rates, and words for systemd."""
 
 import json
-import socket
 import time
 from pathlib import Path
-
-import pytest
 
 from .rig import Daemon, moving_frames, save_frames, tiny, until
 
@@ -36,19 +33,3 @@ def test_rates_as_json(tmp_path: Path) -> None:
     assert rates
     assert rates[-1]["fps"] > 0
     assert rates[-1]["level"] == "info"
-
-
-def test_systemd_hears_that_it_is_ready_and_lives(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    address = tmp_path / "notify"
-    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as systemd:
-        systemd.bind(str(address))
-        systemd.settimeout(20)
-        monkeypatch.setenv("NOTIFY_SOCKET", str(address))
-        with Daemon() as daemon:
-            heard = ""
-            while "READY=1" not in heard or "WATCHDOG=1" not in heard or "running" not in heard:
-                heard += systemd.recv(4096).decode()
-            daemon.http.close()
-            daemon.end()
-            while "STOPPING=1" not in heard:
-                heard += systemd.recv(4096).decode()

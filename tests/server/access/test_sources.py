@@ -76,8 +76,9 @@ def test_what_the_operator_named_may_be_asked_for_as_it_is_shown() -> None:
 
 
 def test_a_star_does_not_swallow_a_host_unless_the_pattern_says_so() -> None:
-    rules = SourceRules(AccessSettings(source_urls=["rtsp://good.local/*", "rtsp://u:p@cam.local/*"]))
-    assert rules.allowed(SourceRequest(uri="rtsp://u:p@cam.local/1"), "scene").uri.endswith("/1")
+    rules = SourceRules(AccessSettings(source_urls=["rtsp://good.local*", "rtsp://u:p@cam.local/*"]))
+    for uri in ("rtsp://u:p@cam.local/1", "rtsp://good.local:554/1"):
+        assert rules.allowed(SourceRequest(uri=uri), "scene").uri == uri
     for uri in ("rtsp://good.local@evil/", "rtsp://u:p@cam.local@evil/"):
         with pytest.raises(AccessError):
             rules.allowed(SourceRequest(uri=uri), "scene")
