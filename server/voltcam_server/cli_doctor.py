@@ -21,6 +21,7 @@ from .settings import Settings, load
 SHARE = 0.7  # of a core's time that simulating may take: the rest is sending, and other programs
 FPS = (30, 60, 240)
 TRY_S = 1.0
+LAST_PORT = 65535
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -69,6 +70,8 @@ def _findings(settings: Settings) -> Iterator[tuple[bool | None, str, str]]:
 def _port(address: str, flag: str) -> tuple[bool, str, str]:
     host, _, port = address.rpartition(":")
     try:
+        if int(port) > LAST_PORT:  # Python's own error for it is no OSError
+            raise ValueError(f"ports end at {LAST_PORT}")
         with socket.create_server((host.strip("[]") or "127.0.0.1", int(port))):
             return True, "port", f"{address} is free"
     except (OSError, ValueError) as error:

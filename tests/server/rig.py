@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
@@ -18,8 +19,10 @@ import httpx
 import msgpack
 import numpy as np
 import uvicorn
+import yaml
 from fastapi import FastAPI
 from numpy.typing import NDArray
+from tests.ports import free_port
 
 from voltcam_client.packet import (
     EVENT,
@@ -39,6 +42,7 @@ from voltcam_server.diagnosis import DiagnosisRunner
 from voltcam_server.emulator import Emulator
 from voltcam_server.mailbox import Arrival
 from voltcam_server.messages import Message
+from voltcam_server.recorder import RecordingPlan
 from voltcam_server.reload import ReloadAnswer
 from voltcam_server.transports import Transport, TransportStatus, WebSocketTransport
 from voltcam_simulator import Camera, Parameters
@@ -304,3 +308,75 @@ class MjpegServer:
         self._http.shutdown()
         self._thread.join()
         self._http.server_close()
+
+
+LIVELY = {"comparator": {"theta_on": 0.3, "theta_off": 0.3}}
+
+
+def record(path: Path, source: SourceRequest, camera: Camera, **settings: Any) -> None:
+    """Some frames, with a change of parameters on the way."""
+    with emulating(source, camera, **settings) as (emulator, listener):
+        listener.wait(lambda it: len(it.frames) > 20)
+        emulator.record(RecordingPlan(path))
+        count = len(listener.frames)
+        listener.wait(lambda it: len(it.frames) > count + 10)
+        emulator.simulation.change({"temperature_c": 60, "leak_noise": {"k6": 1e-5}})
+        listener.wait(lambda it: len(it.frames) > count + 30)
+        emulator.end_recording()
+
+
+def film(folder: Path, camera: Camera) -> SourceRequest:
+    """8-bit frames, again and again."""
+    uri = save_frames(folder / "film.npz", moving_frames(60, camera))
+    return SourceRequest(uri=uri, loop=True)
+
+
+class Rig:
+    """A config file of cameras of 24 x 16 pixels on free ports."""
+
+    def __init__(self, folder: Path, *names: str) -> None:
+        self.camera, self.file = folder / "tiny.yaml", folder / "rig.yaml"
+        self.camera.write_text(tiny(comparator={"theta_on": 0.3, "theta_off": 0.3}).to_yaml())
+        self.content: dict[str, Any] = {
+            "camera": str(self.camera),
+            "source": {"uri": "scene", "width": 48, "height": 32, "fps": 100},
+            "cameras": {name: {"zmq": f"tcp://127.0.0.1:{free_port()}"} for name in names},
+        }
+        self.write()
+
+    def write(self) -> None:
+        self.file.write_text(yaml.safe_dump(self.content))
+
+    def zmq(self, name: str) -> str:
+        return str(self.content["cameras"][name]["zmq"])
+
+    def daemon(self, ready: bool = True) -> Daemon:
+        return Daemon("--config", str(self.file), ready=ready, own_zmq=True)
+
+
+@dataclass
+class Api:
+    emulator: Emulator
+    listener: Listener
+    http: httpx.Client
+    address: str
+
+    def refused(self, code: int, method: str, path: str, **request: Any) -> str:
+        """The reason, which is one line."""
+        response = self.http.request(method, path, **request)
+        assert response.status_code == code, response.text
+        detail = response.json()["detail"]
+        assert isinstance(detail, str)
+        assert "\n" not in detail
+        return detail
+
+
+@contextlib.contextmanager
+def serving() -> Iterator[Api]:
+    """REST of a small camera that looks at the scene, at a real web server."""
+    with (
+        emulating(SCENE, tiny()) as (emulator, listener),
+        web_server(app_of(running(emulator, WebSocketTransport("here")))) as address,
+        httpx.Client(base_url=f"http://{address}/api/v1/", trust_env=False) as http,
+    ):
+        yield Api(emulator, listener, http, address)

@@ -1,48 +1,24 @@
 """Several cameras in one daemon: each its own, a pair on one clock, settings read again while they run."""
 
-import signal
 from concurrent.futures import ThreadPoolExecutor
-from itertools import islice
+from itertools import islice, pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import httpx
 import numpy as np
 import pytest
-import yaml
-from tests.ports import free_port
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from voltcam_client import Control, ControlError, EventCamera
 from voltcam_client.packet import decode_message
+from voltcam_server.cameras import WORST_FIRST, Cameras, NoCameraError
 
-from .rig import PATIENCE_S, Daemon, moving_frames, save_frames, tiny, until, voltcam
+from .rig import PATIENCE_S, Daemon, Rig, moving_frames, save_frames, tiny, until, voltcam
 
 SCENE = {"uri": "scene", "width": 48, "height": 32, "fps": 100}
-
-
-class Rig:
-    """A config file of cameras of 24 x 16 pixels on free ports."""
-
-    def __init__(self, folder: Path, *names: str) -> None:
-        self.camera, self.file = folder / "tiny.yaml", folder / "rig.yaml"
-        self.camera.write_text(tiny(comparator={"theta_on": 0.3, "theta_off": 0.3}).to_yaml())
-        self.content: dict[str, Any] = {
-            "camera": str(self.camera),
-            "source": SCENE,
-            "cameras": {name: {"zmq": f"tcp://127.0.0.1:{free_port()}"} for name in names},
-        }
-        self.write()
-
-    def write(self) -> None:
-        self.file.write_text(yaml.safe_dump(self.content))
-
-    def zmq(self, name: str) -> str:
-        return str(self.content["cameras"][name]["zmq"])
-
-    def daemon(self, ready: bool = True) -> Daemon:
-        return Daemon("--config", str(self.file), ready=ready, own_zmq=True)
 
 
 @pytest.fixture
@@ -121,75 +97,6 @@ def _stamps(endpoint: str, count: int) -> np.ndarray[Any, np.dtype[np.int64]]:
         return np.array([frame.t_us for frame in islice(frames, count)])
 
 
-@pytest.mark.parametrize("way", ["rest", "signal"])
-def test_settings_read_again_leave_the_other_cameras_subscribers_alone(rig: Rig, way: str) -> None:
-    with rig.daemon() as daemon, EventCamera(rig.zmq("left"), queue_length=100_000) as left:
-        first = left.receive(PATIENCE_S)
-        assert first is not None
-        rig.content["cameras"]["right"]["seed"] = 5
-        rig.content["cameras"]["up"] = {"zmq": f"tcp://127.0.0.1:{free_port()}"}
-        rig.content["cameras"]["left"]["parameters"] = {"temperature_c": 45}
-        rig.write()
-        if way == "rest":
-            answer = daemon.http.post("reload").raise_for_status().json()
-            assert (answer["changed"], answer["restarted"], answer["added"]) == (["left"], ["right"], ["up"])
-        else:
-            daemon.process.send_signal(signal.SIGHUP)
-        until(lambda: len(daemon.get("cameras")) == 3, "the third camera runs")
-        assert daemon.get("camera?camera=right")["seed"] == 5
-        assert daemon.get("parameters?camera=left")["parameters"]["temperature_c"] == 45
-        with EventCamera(rig.zmq("up")) as up:
-            assert up.receive(PATIENCE_S) is not None
-        del rig.content["cameras"]["up"], rig.content["cameras"]["right"]
-        rig.write()
-        assert daemon.http.post("reload").json()["removed"] in (["up", "right"], ["right", "up"])
-        for packet in islice(left, 200):
-            last = packet
-        assert left.lost_packets == 0
-        assert last.seq > first.seq
-        assert last.parameters_version == 1
-
-
-def test_settings_that_cannot_be_change_nothing(rig: Rig) -> None:
-    with rig.daemon() as daemon:
-        good = rig.file.read_text()
-        for bad, words in (
-            ("cameras: {left: {sed: 1}}", "no such key"),
-            ("cameras: {left: {}, right: {}}", "give each camera its own"),
-            ("cameras: {left: {camera: /none.yaml}}", "cameras.left: /none.yaml"),
-            ('zmq: "tcp://0.0.0.0:5999"', "no keys"),
-            ("a: [", "not readable as YAML"),
-        ):
-            rig.file.write_text(bad)
-            answer = daemon.http.post("reload")
-            assert answer.status_code == 409
-            assert words in answer.json()["detail"]
-        assert len(daemon.get("cameras")) == 2
-        rig.file.write_text(good + "http: 127.0.0.1:9\n")
-        assert daemon.http.post("reload").json() | {"kept": []} == {
-            "kept": [],
-            "changed": [],
-            "restarted": [],
-            "added": [],
-            "removed": [],
-            "failed": {},
-            "needs_restart": [],  # the command line says --http, and comes before the file
-        }
-
-
-def test_a_camera_that_cannot_start_is_said_and_the_others_go_on(rig: Rig) -> None:
-    with rig.daemon() as daemon:
-        rig.content["cameras"]["right"] |= {"source": {"uri": "/none.mp4"}, "seed": 9}
-        rig.write()
-        answer = daemon.http.post("reload").raise_for_status().json()
-        assert "/none.mp4" in answer["failed"]["right"]
-        assert answer["kept"] == ["left"]
-        assert [camera["name"] for camera in daemon.get("cameras")] == ["left"]
-        rig.content["cameras"]["right"] |= {"source": SCENE}
-        rig.write()
-        assert daemon.http.post("reload").json()["added"] == ["right"]
-
-
 def test_a_recording_from_the_start_is_of_one_camera(rig: Rig, tmp_path: Path) -> None:
     done = voltcam(
         "serve", "--config", str(rig.file), "--record", str(tmp_path / "a.npz"), "--http", "127.0.0.1:0"
@@ -198,8 +105,35 @@ def test_a_recording_from_the_start_is_of_one_camera(rig: Rig, tmp_path: Path) -
     assert "--record is for one camera" in done.stderr
 
 
-def test_a_config_of_several_is_checked_camera_by_camera(rig: Rig) -> None:
-    done = voltcam("config", "check", str(rig.file))
-    assert done.returncode == 0
-    assert done.stdout.index("camera   left") < done.stdout.index("camera   right")
-    assert rig.zmq("right") in done.stdout
+def fake(name: str, state: str = "running", reason: str = "", **emulator: Any) -> Any:
+    of = {"state": (state, reason), "failure": None, "busy": False} | emulator
+    return SimpleNamespace(name=name, emulator=SimpleNamespace(**of))
+
+
+def test_a_camera_is_found_by_name_and_the_first_without_one() -> None:
+    left, right = fake("left"), fake("right")
+    cameras = Cameras([left, right])
+    assert (cameras.get(), cameras.get("left"), cameras.get("right")) == (left, left, right)
+    with pytest.raises(NoCameraError, match="no camera 'up', only left, right: GET"):
+        cameras.get("up")
+    cameras.replace([right])
+    assert (list(cameras), cameras.get()) == ([right], right)
+    with pytest.raises(NoCameraError, match="only none"):
+        Cameras().get()
+
+
+def test_all_are_as_well_as_the_worst() -> None:
+    assert Cameras().state == ("starting", "no camera runs")
+    assert Cameras([fake("one", "ended", "it is over")]).state == ("ended", "it is over")
+    for worst, better in pairwise(WORST_FIRST):
+        cameras = Cameras([fake("left", better, "so so"), fake("right", worst, "bad"), fake("up", better)])
+        assert cameras.state == (worst, "right: bad")
+    assert Cameras([fake("left"), fake("right")]).state == ("running", "")
+
+
+def test_the_failure_of_one_is_that_of_all() -> None:
+    error = RuntimeError("a bug")
+    assert Cameras([fake("left"), fake("right")]).failure is None
+    assert Cameras([fake("left"), fake("right", failure=error)]).failure is error
+    assert Cameras([fake("left"), fake("right", busy=True)]).busy
+    assert not Cameras([fake("left")]).busy

@@ -1,6 +1,5 @@
 """More than the machine can do: bounded, said, counted, and over when its cause is."""
 
-import resource
 import threading
 import time
 from pathlib import Path
@@ -150,41 +149,6 @@ def test_a_source_that_is_over_is_said(tmp_path: Path) -> None:
     with emulating(SourceRequest(uri=uri)) as (emulator, _):
         until(lambda: state(emulator) == "ended", "its end is said")
         assert "end" in emulator.status.reason
-
-
-def test_parameters_of_a_moving_slider_are_laid_down_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    simulation = Simulation(tiny(), "exact", 0)
-    laid, go, made = simulation._simulator.laid_down, threading.Event(), []
-
-    def slow(parameters: Parameters) -> object:
-        go.wait(20)
-        made.append(parameters.temperature_c)
-        return laid(parameters)
-
-    monkeypatch.setattr(simulation._simulator, "laid_down", slow)
-    turns = [
-        threading.Thread(target=simulation.change, args=({"temperature_c": 20.0 + i},)) for i in range(20)
-    ]
-    for turn in turns:
-        turn.start()
-    until(lambda: simulation.parameters[1] == 20, "all are known")
-    go.set()
-    for turn in turns:
-        turn.join(20)
-    assert len(made) <= 2
-    simulation.step(arrival(np.zeros((16, 24), np.uint8), 0))
-    interval = simulation.step(arrival(np.zeros((16, 24), np.uint8), 1000))
-    assert interval is not None
-    assert interval.parameters_version == 20
-
-
-def test_what_is_compiled_beforehand_needs_little() -> None:
-    """The limits of all rates at once: 20 s and 2.2 GB, once."""
-    simulation = Simulation(tiny(), "exact", 0)
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    for changes in TOO_MANY:
-        simulation.prepare(Parameters().changed(changes))
-    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 200_000  # KiB
 
 
 def test_an_interval_that_takes_too_long_is_given_up() -> None:

@@ -7,7 +7,6 @@ from typing import Any
 import pytest
 import yaml
 
-from voltcam_server.camera_settings import load_camera
 from voltcam_server.problems import UsageError
 from voltcam_server.settings import Settings, load, parse_change, schema
 
@@ -72,15 +71,6 @@ def test_off_needs_no_quotes(tmp_path: Path) -> None:
     assert load({}, config(tmp_path, "upsample: off"), {}).upsample == "off"
 
 
-def test_changes_keep_what_the_camera_file_says(tmp_path: Path) -> None:
-    camera = tmp_path / "mine.yaml"
-    camera.write_text("name: mine\nwidth: 32\nheight: 20\ncomparator: {theta_on: 2.0}\n")
-    settings = load({"camera": str(camera), "parameters": {"comparator": {"theta_off": 3}}}, None, {})
-    loaded = settings.load_camera()
-    assert (loaded.width, loaded.parameters.comparator.theta_on) == (32, 2.0)
-    assert loaded.parameters.comparator.theta_off == 3.0
-
-
 def test_a_fault_names_its_layer_its_key_and_what_may_be(tmp_path: Path) -> None:
     path = config(tmp_path, "source: {fps: -3}\nparameters: {comparator: {theta: 1}}\n")
     text = wrong({"seed": "many"}, path, VOLTCAM_LAW="none")
@@ -120,24 +110,6 @@ def test_faults_elsewhere(tmp_path: Path) -> None:
     )  # pydantic names it in lower case
     assert "environment: source.uli: there is no such key" in wrong({}, None, VOLTCAM_SOURCE__ULI="x")
     assert wrong({}, None, VOLTCAM_SOURCE="{").startswith("environment: ")
-
-
-@pytest.mark.parametrize(
-    ("content", "words"),
-    [
-        ("width: -1\nheight: 4", "width: Input should be greater than or equal to 1, not -1"),
-        ("comparator: {theta_on: 0}", "comparator.theta_on: "),
-        ("shutter: {}", "shutter: there is no such key"),
-        ("[]", "is not a camera file"),
-    ],
-)
-def test_faults_in_a_camera_file(tmp_path: Path, content: str, words: str) -> None:
-    path = tmp_path / "mine.yaml"
-    path.write_text(content)
-    with pytest.raises(UsageError) as caught:
-        load_camera(str(path))
-    assert words in str(caught.value)
-    assert str(path) in str(caught.value)
 
 
 def test_changes_on_the_command_line() -> None:

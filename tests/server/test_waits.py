@@ -3,18 +3,14 @@
 import os
 import signal
 import socket
-import threading
-import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-import httpx
 import numpy as np
 import pytest
 
 from voltcam_client.formats import read
 from voltcam_server import capture
-from voltcam_server.child_process import ChildProcess
 from voltcam_server.problems import UsageError
 from voltcam_server.recorder import RecordingPlan
 from voltcam_video import SourceError, SourceRequest
@@ -132,35 +128,6 @@ def _children(pid: int) -> list[int]:
     return found
 
 
-def test_a_child_asks_for_its_end_at_once(tmp_path: Path) -> None:
-    child = ChildProcess(["sleep", "60"], 5, tmp_path / "log")
-    following = threading.Thread(target=lambda: _follow(child))
-    following.start()
-    time.sleep(0.3)
-    child.signal(signal.SIGTERM)
-    following.join(10)
-    assert not following.is_alive()
-
-
-def _follow(child: ChildProcess) -> None:
-    try:
-        child.follow(lambda _: None)
-    except UsageError:
-        return
-
-
 def test_a_scene_too_large_is_refused() -> None:
     with emulating(SCENE) as (emulator, _), pytest.raises(SourceError, match="too large"):
         emulator.look_at(SourceRequest(uri="scene", width=16384, height=16384))
-
-
-def test_requests_that_hang_do_not_hold_the_page() -> None:
-    with Daemon() as daemon:
-        host, port = daemon.url.removeprefix("http://").rstrip("/").split(":")
-        with socket.create_connection((host, int(port))) as slow:
-            slow.sendall(
-                b"PATCH /api/v1/parameters HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100\r\n\r\n{"
-            )
-            assert httpx.get(f"{daemon.url}api/v1/status", trust_env=False).is_success
-            slow.settimeout(20)
-            assert slow.recv(100) == b""  # it is let go

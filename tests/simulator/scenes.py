@@ -27,6 +27,19 @@ def watch_still(simulator: Simulator, grey: float, seconds: float, fps: float, t
     return np.concatenate([simulator.advance(image, int(t)) for t in times])
 
 
+SIDE = 60
+PIXELS = SIDE * SIDE
+"""Of the sensor of `rate_hz`."""
+
+
+def rate_hz(parameters: Parameters, grey: float, seconds: float = 20, seed: int = 1) -> tuple[float, float]:
+    """ON and OFF events a second of a whole still sensor of SIDE x SIDE pixels."""
+    simulator = Simulator(SIDE, SIDE, parameters, seed=seed)
+    events = watch_still(simulator, grey, seconds, 5)
+    on = int(events["p"].sum())
+    return on / seconds, (len(events) - on) / seconds
+
+
 def only(**changes: object) -> Parameters:
     """Parameters with nothing on but what is named."""
     return Parameters().changed(SILENT).changed(changes)

@@ -1,103 +1,23 @@
-"""The exact law against closed forms and brute force. Seeds are fixed; P_LIMIT is the chance that a correct
-sampler would fail one assertion for a random seed."""
+"""The laws of one bridge between two instants, against closed forms and other people's distributions."""
+
+import math
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy import stats
 
-from voltcam_simulator.first_passage import inverse_gaussian
-from voltcam_simulator.groups import Motion, Pixels
-from voltcam_simulator.random import START, interval_key
-from voltcam_simulator.stationary import start_voltage
+from voltcam_simulator.first_passage import (
+    MISS,
+    exit_of_bridge,
+    inverse_gaussian,
+    needs_cut,
+    stays_inside,
+    touch_probability,
+    touching_time,
+)
 
-from .brownian import crossings, fine_steps, first_exit_cdf
-
-P_LIMIT = 1e-4
-
-# drift and noise over the whole interval, in thresholds
-CASES = [
-    pytest.param(0.3, 1.0, 0.1, 1.0, 1.0, id="certain-low-noise"),
-    pytest.param(0.0, 0.9, 0.15, 1.0, 1.0, id="marginal-low-noise"),
-    pytest.param(0.0, 0.0, 0.5, 1.0, 1.0, id="no-drift"),
-    pytest.param(0.7, -0.5, 0.6, 1.0, 0.5, id="against-drift-asymmetric"),
-    pytest.param(-0.45, 0.4, 1.0, 1.0, 0.5, id="noise-of-the-band"),
-    pytest.param(0.2, 3.0, 2.0, 0.6, 1.4, id="high-noise"),
-    pytest.param(0.0, -2.0, 6.0, 1.0, 1.0, id="three-bands-of-noise"),
-]
-
-
-def first_of(pixel: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Index of the first event of each pixel that has one (events of a pixel are in order of time)."""
-    return np.unique(pixel, return_index=True)[1]
-
-
-@pytest.mark.parametrize(("start", "drift", "noise", "above", "below"), CASES)
-def test_first_exit_has_the_closed_form(
-    start: float, drift: float, noise: float, above: float, below: float
-) -> None:
-    n, blocks = 8000, 13  # x coordinates have 13 bits, so pixels come in blocks of 8000
-    times, sides = [], []
-    for seed in range(blocks):
-        pixel, time, on, _ = crossings(n, start, drift, noise, above, below, seed)
-        first = first_of(pixel)
-        times.append(time[first])
-        sides.append(on[first])
-    time, on = np.concatenate(times), np.concatenate(sides)
-    grid = np.linspace(1e-6, 1, 200_001)
-    cdfs = first_exit_cdf(grid, start, drift, noise, above, below)
-    for polarity, cdf in zip((True, False), cdfs, strict=True):
-        count = int((on == polarity).sum())
-        assert stats.binomtest(count, n * blocks, min(float(cdf[-1]), 1.0)).pvalue > P_LIMIT
-        if count > 100:
-            observed = time[on == polarity] + 0.5e-6  # stamps are rounded down to 1 us
-            p = stats.kstest(observed, lambda t, c=cdf: np.interp(t, grid, c / c[-1])).pvalue
-            assert p > P_LIMIT
-
-
-@pytest.mark.parametrize(("start", "drift", "noise", "above", "below"), CASES)
-def test_all_events_and_the_end_agree_with_fine_steps(
-    start: float, drift: float, noise: float, above: float, below: float
-) -> None:
-    n = 3000
-    pixel, time, on, end = crossings(n, start, drift, noise, above, below)
-    pixel_f, time_f, on_f, end_f = fine_steps(n, start, drift, noise, above, below, steps=8000)
-    assert stats.ks_2samp(end, end_f).pvalue > P_LIMIT
-    for polarity in (True, False):
-        counts = np.bincount(pixel[on == polarity], minlength=n)
-        counts_f = np.bincount(pixel_f[on_f == polarity], minlength=n)
-        spread = np.sqrt((counts.var() + counts_f.var()) / n)
-        # brute force still misses a little of each excursion: 1 % of the events is allowed for
-        assert abs(counts.mean() - counts_f.mean()) <= 4 * spread + 0.01 * counts_f.mean()
-    if noise < 2 and len(time_f) > 50:
-        assert stats.ks_2samp(time, time_f).pvalue > P_LIMIT
-
-
-def test_without_noise_it_is_linear_integrate_and_fire() -> None:
-    pixel, time, on, end = crossings(4, 0.25, 3.5, 0.0, 1.0, 0.7)
-    expected = (np.array([1, 2, 3]) - 0.25) / 3.5
-    np.testing.assert_allclose(time[pixel == 2], expected, atol=1.01e-6)
-    assert on.all()
-    np.testing.assert_allclose(end, 0.75, atol=1e-6)
-    pixel, time, on, end = crossings(4, 0.25, -3.5, 0.0, 1.0, 0.7)
-    np.testing.assert_allclose(time[pixel == 0], (0.25 + 0.7 * np.arange(1, 5)) / 3.5, atol=1.01e-6)
-    assert not on.any()
-    np.testing.assert_allclose(end, 0.25 - 3.5 + 4 * 0.7, atol=1e-6)
-
-
-def test_vanishing_noise_tends_to_integrate_and_fire() -> None:
-    pixel, time, _, _ = crossings(1000, 0.0, 5.5, 1e-5, 1.0, 1.0)
-    assert np.bincount(pixel).tolist() == [5] * 1000
-    time = time[np.argsort(pixel, kind="stable")]
-    np.testing.assert_allclose(time.reshape(1000, 5), np.tile(np.arange(1, 6) / 5.5, (1000, 1)), atol=2e-5)
-
-
-def test_a_start_on_a_barrier_fires_at_once() -> None:
-    pixel, time, on, _ = crossings(100, 1.0, 0.0, 0.3, 1.0, 1.0)
-    first = first_of(pixel)
-    assert first.size == 100
-    assert (time[first] == 0).all()
-    assert on[first].all()
+P_LIMIT = 1e-4  # chance that a correct sampler would fail one assertion for a random seed
 
 
 def test_inverse_gaussian_has_its_law_down_to_levy() -> None:
@@ -114,35 +34,65 @@ def test_inverse_gaussian_has_its_law_down_to_levy() -> None:
     assert stats.kstest(draws(0.0, 2.0), stats.levy(scale=2.0).cdf).pvalue > P_LIMIT
 
 
-@pytest.mark.parametrize(
-    ("drift", "noise", "above", "below"),
-    [
-        (1.0, 0.0, 1.0, 1.0),
-        (1.0, 0.02, 1.0, 1.0),
-        (-1.0, 0.5, 1.0, 0.6),
-        (0.0, 1.0, 0.7, 1.3),
-        (0.4, 1.0, 1, 1),
-    ],
-)
-def test_the_start_is_the_stationary_law(drift: float, noise: float, above: float, below: float) -> None:
-    """Evolving the start for a while must give the same law back (the definition of stationary)."""
-    n = 8000
+@pytest.mark.parametrize(("distance", "beyond"), [(0.4, 0.7), (1.0, 0.1), (0.3, 0.0)])
+def test_a_bridge_first_touches_a_barrier_when_an_inverse_gaussian_says(
+    distance: float, beyond: float
+) -> None:
+    """tau = T s/(1 + s) with s ~ IG(mean distance/beyond, shape distance^2/v); end on the barrier: Levy."""
+    span, variance, state, times = 2000.0, 0.3, np.uint64(7), []
+    for _ in range(5000):
+        state, time = touching_time(np.uint64(state), distance, beyond, span, variance)
+        times.append(time)
+    shape = distance**2 / variance
+    law = stats.levy(scale=shape)
+    if beyond > 0:
+        law = stats.invgauss(mu=distance / beyond / shape, scale=shape)
+    share = np.array(times) / span
+    assert stats.kstest(share / (1 - share), law.cdf).pvalue > P_LIMIT
 
-    def start(seed: int) -> NDArray[np.float32]:
-        pixels = Pixels(*(np.full(n, v, np.float32) for v in (0, 0, 0, above, below)))
-        motion = Motion(*(np.full(n, v, np.float32) for v in (drift / 1e6, noise / 1e3)))
-        start_voltage(pixels, motion, interval_key(seed, START, 0), 0)
-        return pixels.voltage
 
-    voltage = start(1)
-    assert (voltage < above).all()
-    assert (voltage > -below).all()
-    later = voltage.astype(np.float64)
-    rng = np.random.default_rng(3)
-    steps = 2000
-    inwards = 0.5826 * noise / np.sqrt(steps)
-    for _ in range(steps):
-        later += drift / steps + noise / np.sqrt(steps) * rng.standard_normal(n)
-        later[later >= above - inwards] -= above
-        later[later <= inwards - below] += below
-    assert stats.ks_2samp(start(2), later).pvalue > P_LIMIT
+def test_how_likely_a_touch_is_by_the_reflection_principle() -> None:
+    """exp(-2 near far/v) at any scale, surely from or to beyond the barrier, never below MISS."""
+    for near, far, variance in ((0.5, 0.4, 0.3), (0.05, 0.04, 0.003), (1.0, 2.0, 0.2)):
+        expected = math.exp(-2 * near * far / variance)
+        assert touch_probability(near, far, variance) == pytest.approx(expected, rel=1e-12)
+    assert touch_probability(0.5, -0.1, 0.3) == touch_probability(0.0, 0.4, 0.3) == 1
+    limit = -0.5 * math.log(MISS)
+    assert touch_probability(limit * 0.999, 1.0, 1.0) > MISS * 0.99
+    assert touch_probability(limit * 1.001, 1.0, 1.0) == 0
+
+
+@pytest.mark.parametrize(("x", "y"), [(0.5, 0.6), (-0.2, -0.7), (0.2, 1.3), (0.1, -1.4)])
+def test_the_side_on_which_a_bridge_leaves_its_band(x: float, y: float) -> None:
+    """One that can reach one barrier only: there with the probability of reflection, or it stays inside."""
+    above, below, variance, span, n = 1.0, 1.2, 0.05, 500.0, 4000
+    assert not needs_cut(x, y, above, below, variance)
+    state, sides, times = np.uint64(3), [], []
+    for _ in range(n):
+        state, side, time = exit_of_bridge(np.uint64(state), x, y, span, variance, above, below)
+        sides.append(side)
+        times.append(time)
+    on = math.exp(-2 * (above - x) * max(above - y, 0) / variance)
+    off = math.exp(-2 * (x + below) * max(y + below, 0) / variance)
+    assert stats.binomtest(sides.count(1), n, min(on, 1.0)).pvalue > P_LIMIT
+    assert stats.binomtest(sides.count(-1), n, min(off, 1.0)).pvalue > P_LIMIT
+    assert all((time == span) == (side == 0) for side, time in zip(sides, times, strict=True))
+    assert max(times) <= span
+
+
+def test_a_bridge_is_cut_only_where_it_may_reach_both_barriers() -> None:
+    """From the middle to the middle of (-1, 1): up and then down has the probability exp(-2 2 2/v)."""
+    limit = -8 / math.log(MISS)
+    assert needs_cut(0.0, 0.0, 1.0, 1.0, 1.01 * limit)
+    assert not needs_cut(0.0, 0.0, 1.0, 1.0, 0.99 * limit)
+    assert not needs_cut(1.0, 0.0, 1.0, 1.0, 100.0)  # already on a barrier: it leaves there, now
+    assert not needs_cut(0.0, 5.0, 1.0, 1.0, 0.0)  # no noise: a straight line
+
+
+def test_a_bridge_that_stays_inside_keeps_off_both_barriers() -> None:
+    limit = -2 * 0.25 / math.log(MISS)  # of a bridge between two points half a threshold off
+    assert stays_inside(0.5, 0.5, 1.0, 9.0, 0.99 * limit)
+    assert not stays_inside(0.5, 0.5, 1.0, 9.0, 1.01 * limit)
+    assert stays_inside(-0.5, -0.5, 9.0, 1.0, 0.99 * limit)
+    assert not stays_inside(-0.5, -0.5, 9.0, 1.0, 1.01 * limit)
+    assert not stays_inside(0.5, 1.0, 1.0, 9.0, 0.0)

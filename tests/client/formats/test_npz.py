@@ -80,36 +80,6 @@ def test_an_old_recording_is_there_until_the_new_one_is_complete(tmp_path: Path,
     np.testing.assert_array_equal(read(tmp_path / "a.npz").events, new)
 
 
-@pytest.mark.parametrize("kept_bytes", [0, 12, 13, 25])
-def test_a_spool_is_cut_to_whole_records(kept_bytes: int, tmp_path: Path, make_events) -> None:
-    events = make_events(2)
-    writer = open_writer(tmp_path / "a.npz", width=346, height=260)
-    writer.events(events)
-    for t_us in (1, 2):
-        writer.frame(np.full((260, 346), t_us, np.uint8), t_us)
-    spool = tmp_path / "a.npz.partial"
-    for name, size in (("events.bin", kept_bytes), ("frame_t_us.bin", 15)):
-        with (spool / name).open("r+b") as file:
-            file.truncate(size)
-    recording = read(spool)
-    np.testing.assert_array_equal(recording.events, events[: kept_bytes // 13])
-    assert (recording.width, recording.height) == (346, 260)
-    assert recording.frames is not None
-    assert recording.frame_t_us is not None
-    np.testing.assert_array_equal(recording.frame_t_us, [1])
-    np.testing.assert_array_equal(recording.frames, np.ones((1, 260, 346)))
-    writer.close()
-
-
-@pytest.mark.parametrize("geometry", [None, "", "[]", '{"width": 3}', '{"width": null, "height": 4}'])
-def test_a_spool_that_never_began(geometry: str | None, tmp_path: Path) -> None:
-    (tmp_path / "a.npz.partial").mkdir()
-    if geometry is not None:
-        (tmp_path / "a.npz.partial" / "geometry.json").write_text(geometry)
-    with pytest.raises(FormatError, match="holds no recording"):
-        read(tmp_path / "a.npz.partial")
-
-
 @pytest.mark.parametrize("save", [np.savez, np.savez_compressed])
 def test_what_numpy_saved_is_read(save: Any, tmp_path: Path) -> None:
     save(tmp_path / "a.npz", **{name: column.astype(np.int64) for name, column in GOOD.items()}, more="text")
