@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.lab.pages.drawn import HEIGHT, REGION, WIDTH, some_events, with_data
 
@@ -32,6 +32,7 @@ def test_the_busiest_window_is_where_events_are() -> None:
     assert busiest(events[:0], WIDTH, HEIGHT).begin_us == 0
 
 
+@settings(deadline=None)
 @given(begin_us=st.integers(-10, 30), x=st.integers(-3, 8), y=st.integers(-3, 8), side=st.integers(1, 6))
 def test_a_window_has_the_events_that_are_inside_one_by_one(begin_us: int, x: int, y: int, side: int) -> None:
     rng = np.random.default_rng(3)
