@@ -15,8 +15,7 @@ SIDE, PERIOD_US, FRAMES = 12, 10_000, 101
 
 
 def reading(per_pixel: int = 40, jump_dn: float = 0.0, on_share: float = 0.5) -> Reading:
-    """Pixels whose light rises by 0 to 14 DN in a second, most in the last row, each with so many events. The frame
-    in the middle of every five jumps, which nobody expects."""
+    """Light rises by 0 to 14 DN in a second; each pixel has so many events; every fifth frame jumps."""
     light = np.linspace(0, 0.14, SIDE * SIDE).reshape(SIDE, SIDE)
     images = 100 + light * np.arange(FRAMES)[:, None, None]
     images[2::5] += jump_dn
