@@ -61,12 +61,13 @@ def test_long_silence_speaks_against_leak_however_large() -> None:
 def test_the_longest_rest_of_each_pixel_is_that_of_a_slow_search() -> None:
     """Levels that jump now and then."""
     rng = np.random.default_rng(4)
-    jumps = rng.random((200, 3, 2)) < 0.01
+    jumps = rng.random((200, 3, 2)) < 0.003
     images = (60 + 40 * (np.cumsum(jumps, axis=0) % 3)).astype(np.uint8)
     scene = scene_of(images, PERIOD_US * np.arange(200, dtype=np.int64), "linear")
     at_rest = light_change_of(scene.taken, scene.taken_us).at_rest
     found = rest_of(scene)
     assert found.level_dn == pytest.approx(images.mean(axis=0))
+    rested = 0
     for y, x in np.ndindex(3, 2):
         runs, begin = [], None
         for k, still_now in enumerate([*at_rest[:, y, x], False]):
@@ -77,8 +78,10 @@ def test_the_longest_rest_of_each_pixel_is_that_of_a_slow_search() -> None:
                 begin = None
         longest = max((length for length, _ in runs), default=0)
         assert found.end_us[y, x] - found.begin_us[y, x] == PERIOD_US * longest
+        rested += longest > 0
         if longest:
             assert found.begin_us[y, x] // PERIOD_US in [begin for length, begin in runs if length == longest]
+    assert rested > 3
 
 
 def test_short_rests_and_pixels_left_out_have_no_wait() -> None:
