@@ -63,28 +63,28 @@ def trial(form: Candidate, size: float) -> Trial:
     return Trial(form, hypothesis, NONE, 1.0, 1.0, 1.0, 1.0, 1.0)
 
 
-def test_a_formula_gives_the_term_at_any_brightness_and_place() -> None:
-    """Read back as numbers, it is the drift of the camera with the effect."""
-    start, light, u, v = Parameters.of("paper"), 60.0, -0.4, 0.3
-    for form in forms(start):
-        one = trial(form, form.sizes[0][0])
-        formula = unlisted.formula_of(one)
-        text = formula.replace("/us", " *").replace("^", "**").replace(") (1", ") * (1").replace(" u", "*u")
-        text = text.replace(" v", "*v").replace("sigma**2", "noise").replace("1 (1", "1 * (1")
-        text = text.replace("0 (1", "0 * (1").replace("* *", "*")
-        left, right = text.split("+=")
-        value = eval(right, {}, {"L": light, "u": u, "v": v})
-        parameters = one.hypothesis.parameters()
-        if form.effect == "residual_noise":
-            assert left.strip() == "noise"
-            there = parameters.residual_noise
-            wanted = there.variance_per_us
-        else:
-            assert left.strip() == "drift"
-            there = parameters.residual_drift
-            wanted = there.per_us * (1 + there.across * u) * (1 + there.down * v)
-        wanted *= ((light + there.dark_dn) / (128 + there.dark_dn)) ** there.power
-        assert value == pytest.approx(wanted, rel=0.01)
+@pytest.mark.parametrize(
+    ("effect", "name", "others", "formula"),
+    [
+        ("residual_drift", "per_us", {"power": -0.5}, "drift += 2.35e-07/us ((L + 20)/148)^-0.5"),
+        (
+            "residual_drift",
+            "per_us",
+            {"power": 0.0, "down": 8.0},
+            "drift += 2.35e-07/us ((L + 20)/148)^0 (1 + 8 v)",
+        ),
+        (
+            "residual_drift",
+            "per_us",
+            {"power": 0.0, "across": 8.0},
+            "drift += 2.35e-07/us ((L + 20)/148)^0 (1 + 8 u)",
+        ),
+        ("residual_noise", "variance_per_us", {"power": 1.0}, "sigma^2 += 2.35e-07/us ((L + 20)/148)^1"),
+    ],
+)
+def test_a_term_is_said_as_a_formula(effect: str, name: str, others: dict[str, float], formula: str) -> None:
+    form = Candidate(effect, (name,), ((2e-7,),), others)
+    assert unlisted.formula_of(trial(form, 2.3456e-7)) == formula
 
 
 def test_forms_that_do_as_well_are_named_each_once_and_the_best_one_not() -> None:
