@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.calibration.ascent import Prior, ascend
 from voltcam_lab.calibration.estimates import noise_shares
 from voltcam_lab.calibration.fit import NAMES, fit
 from voltcam_lab.calibration.intervals import INTERVAL

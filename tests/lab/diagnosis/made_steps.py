@@ -41,5 +41,3 @@ def step(excess: float, *trials: Trial, added: Candidate | None = None, held_out
         training=FLOOR + excess, held_out=FLOOR + held_out, floor_training=FLOOR, floor_held_out=FLOOR,
         scores=np.ones(1), p_value=1e-3, least=30.0, trials=trials,
     )  # fmt: skip
-
-

@@ -1,20 +1,12 @@
 """A camera that nothing of ours has made, and a small scene."""
 
-from dataclasses import replace
 import numpy as np
-import pytest
 from tests.generator import Effect, draw_scene, record
 from tests.generator.base import Base
-from voltcam_lab.calibration.refine.coordinates import ABSENT, PLACES, parameters_at, point_of, response
-from voltcam_lab.calibration.refine.goal import Goal
-from voltcam_lab.calibration.refine.refine import Refined, refine
-from voltcam_lab.calibration.refine.replay import Replay
-from voltcam_lab.distances import FrameLight, Region, Yardstick, held_out
-from voltcam_lab.light.between_frames import calmed, evened, sharpened
-from voltcam_lab.light.scene import Scene, scene_of
-from voltcam_lab.models.model import MODELS, simulate
-from voltcam_simulator import Parameters
 
+from voltcam_lab.distances import FrameLight, Region, held_out
+from voltcam_lab.light.scene import Scene, scene_of
+from voltcam_simulator import Parameters
 
 WIDTH, HEIGHT, SECONDS, LATE_US = 72, 48, 2.4, 3000
 

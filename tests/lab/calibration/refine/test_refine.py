@@ -1,20 +1,23 @@
-"""What the search finds of a camera that nothing of ours has made, and that it comes closer where it did not look."""
+"""What the search finds of a camera that nothing of ours has made, and how close it comes elsewhere."""
 
-from dataclasses import replace
 import numpy as np
 import pytest
-from tests.generator import Effect, draw_scene, record
-from tests.generator.base import Base
-from voltcam_lab.calibration.refine.coordinates import ABSENT, PLACES, parameters_at, point_of, response
+from tests.lab.calibration.refine.made import (
+    BASE,
+    HEIGHT,
+    LATE_US,
+    START,
+    TRUTH,
+    WIDTH,
+    Recording,
+)
+
+from voltcam_lab.calibration.refine.coordinates import ABSENT, PLACES, point_of, response
 from voltcam_lab.calibration.refine.goal import Goal
 from voltcam_lab.calibration.refine.refine import Refined, refine
 from voltcam_lab.calibration.refine.replay import Replay
-from voltcam_lab.distances import FrameLight, Region, Yardstick, held_out
-from voltcam_lab.light.between_frames import calmed, evened, sharpened
-from voltcam_lab.light.scene import Scene, scene_of
+from voltcam_lab.distances import Yardstick
 from voltcam_lab.models.model import MODELS, simulate
-from voltcam_simulator import Parameters
-from tests.lab.calibration.refine.made import BASE, HEIGHT, LATE_US, SECONDS, START, TRUTH, WIDTH, Recording, wave
 
 
 @pytest.fixture(scope="module")
