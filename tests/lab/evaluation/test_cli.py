@@ -8,6 +8,8 @@ import pytest
 
 from voltcam_client.formats import open_writer
 from voltcam_lab.evaluation import cli as cli_evaluate
+from voltcam_lab.evaluation import page
+from voltcam_lab.evaluation.figures.noise import HeldImage
 from voltcam_lab.health import Inspection
 from voltcam_lab.light.scene import scene_of
 from voltcam_lab.models.model import MODELS
@@ -29,6 +31,7 @@ def test_the_command_writes_the_page_and_its_figures(
         return scene_of(recording.frames, recording.frame_t_us, "cubic"), models, ["esim: no"]
 
     monkeypatch.setattr(cli_evaluate, "contenders", found)
+    monkeypatch.setattr(page, "HeldImage", partial(HeldImage, 16, 48, 4.0))
     parser = ArgumentParser()
     cli_evaluate.configure(parser)
     arguments = parser.parse_args([str(tmp_path / "waves.npz"), "--out", str(tmp_path / "docs")])
