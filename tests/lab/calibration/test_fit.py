@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.calibration.ascent import Prior, ascend
 from voltcam_lab.calibration.estimates import noise_shares
 from voltcam_lab.calibration.fit import NAMES, fit
 from voltcam_lab.calibration.intervals import INTERVAL
@@ -72,10 +71,3 @@ def test_silence_alone_bounds_the_leak() -> None:
     leak = quiet["k4_per_us"] + 100 * quiet["k5_per_dn_us"]
     assert leak * 2e6 * 10_000 < 20  # events that would be expected where none is
     assert leak < 0.01 * (loud["k4_per_us"] + 100 * loud["k5_per_dn_us"])
-
-
-def test_the_ascent_finds_the_maximum_between_data_and_prior() -> None:
-    data = np.array([1.0, 2.0, 3.0, 6.0])
-    prior = Prior(np.array([0.0]), np.array([0.5]))
-    found = ascend(lambda x: -0.5 * (data - x[0]) ** 2, np.array([0.0]), prior, tolerance=1e-9)
-    assert found[0] == pytest.approx(data.sum() / (4 + 1 / 0.25), rel=1e-3)

@@ -1,11 +1,10 @@
-"""Intervals and waits of pixels whose light and events are written down."""
+"""Intervals of pixels whose light and events are written down."""
 
 import numpy as np
 import pytest
 
 from voltcam_client.encodings import EVENT
 from voltcam_lab.calibration.intervals import intervals
-from voltcam_lab.calibration.rest import WAIT, log_likelihood, rest_of, waits
 from voltcam_lab.light.scene import Scene, scene_of
 from voltcam_lab.windows import Mask
 
@@ -81,42 +80,3 @@ def test_where_a_frame_surprises_no_interval_is_trusted() -> None:
     assert seen["start_us"].tolist() == [15_000, 85_000]
     assert seen[0]["end"] == 0
     assert len(intervals(three, jumpy, EVERYWHERE, NEVER, tolerance=9.0)) == 3
-
-
-def still(frames: int = 300) -> Scene:
-    images = np.full((frames, 3, 2), 100, np.uint8)
-    return scene_of(images, PERIOD_US * np.arange(frames, dtype=np.int64), "linear")
-
-
-def test_waits_last_until_the_first_event() -> None:
-    scene = still()
-    mask = Mask(np.array([[1_000_000, 1_100_000]]))
-    some = events(
-        (500_000, 0, 0, True), (700_000, 0, 0, True), (900_000, 1, 0, False), (1_050_000, 0, 1, True)
-    )
-    found = waits(some, rest_of(scene), EVERYWHERE, mask)
-    ended = {int(one["pixel"]): (float(one["wait_us"]), int(one["end"])) for one in found[:3]}
-    assert ended == {0: (500_000, 1), 1: (900_000, -1), 2: (1_000_000, 0)}
-    silent = found[3:]
-    assert silent["count"].sum() == 3
-    assert silent["wait_us"] == pytest.approx(2_990_000 - 100_000)
-
-
-def test_waits_have_the_law_of_a_leak_and_of_noise() -> None:
-    """What is lost of survival is what ends, by leak or noise, ON or OFF."""
-    t_us = np.linspace(1e3, 6e6, 6000)
-    found = np.zeros((3, t_us.size), WAIT)
-    found["wait_us"], found["count"], found["end"] = t_us, 1, np.array([[0], [1], [-1]])
-    leak, noise = np.full(t_us.size, 4e-7), np.full(t_us.size, 1e-7)
-    alive, on, off = (np.exp(log_likelihood(row, leak, noise, 1.0)) for row in found)
-    assert alive[0] == pytest.approx(1, abs=0.01)
-    assert on + off == pytest.approx(-np.gradient(alive, t_us), rel=0.01, abs=1e-11)
-    early = t_us < 1e6  # uniform and exponential, before the end of the uniform one
-    assert alive[early] == pytest.approx(((1 - 4e-7 * t_us) * np.exp(-1e-7 * t_us))[early], abs=0.01)
-
-
-def test_long_silence_speaks_against_leak_however_large() -> None:
-    found = np.zeros(4, WAIT)
-    found["wait_us"], found["count"] = 2e6, 1
-    silent = log_likelihood(found, np.array([1e-8, 1e-7, 1e-6, 1e-5]), np.full(4, 1e-12), 1.0)
-    assert (np.diff(silent) < -0.01).all()

@@ -1,9 +1,20 @@
 """Which light is taken between frames."""
 
-import numpy as np
+from dataclasses import replace
 
-from voltcam_lab.light.between_frames import scene_between, untrusted_share
-from voltcam_lab.light.scene import Scene
+import numpy as np
+import pytest
+
+from voltcam_lab.light.between_frames import (
+    calm,
+    calmed,
+    evened,
+    frame_noise2,
+    scene_between,
+    sharpened,
+    untrusted_share,
+)
+from voltcam_lab.light.scene import Scene, scene_of
 
 PERIOD_US, SIDE = 10_000, 32
 
@@ -42,3 +53,54 @@ def test_columns_are_those_of_the_whole() -> None:
     np.testing.assert_array_equal(part.taken, frames[:, :, columns])
     surprise = whole.surprise.reshape(frames.shape)[:, :, columns]
     np.testing.assert_array_equal(part.surprise.reshape(surprise.shape), surprise)
+
+
+def test_noise_is_calmed_where_nothing_moves() -> None:
+    rng = np.random.default_rng(0)
+    frames = np.full((20, 40, 60), 100.0)
+    frames[:, :, 30:] += 20 * np.sin(np.arange(30) - np.arange(20)[:, None, None])
+    noisy = frames + rng.normal(0, 1, frames.shape)
+    found = calmed(scene_of(noisy.astype(np.float32), np.arange(20) * 10_000, "linear")).taken
+    assert np.std((found - frames)[5:15, :, :20]) < 0.6
+    assert np.abs(found - noisy)[5:15, :, 35:].max() < 0.1
+
+
+def test_images_between_frames_are_as_sharp_as_the_others() -> None:
+    rng = np.random.default_rng(1)
+    sharp = (60 + 40 * rng.random((3, 40, 40))).astype(np.float32)
+    blurred = np.mean([np.roll(sharp, (dy, dx), (1, 2)) for dy in (0, 1) for dx in (0, 1)], axis=0)
+    images = np.stack([sharp[0], blurred[0], sharp[1], blurred[1], sharp[2]]).astype(np.float32)
+    taken_us = np.array([0, 20_000, 40_000])
+    scene = Scene(sharp, taken_us, images, np.arange(5) * 10_000)
+    before, after = (np.abs(np.diff(each, axis=2)).mean((1, 2)) for each in (images, evened(scene).images))
+    assert np.ptp(before) > 0.3 * before.mean()
+    assert np.ptp(after) < 0.1 * after.mean()
+
+
+def test_sharpening_is_undone_by_its_blur() -> None:
+    """Light is never below 0; flat light stays as it is."""
+    flat = np.full((2, 8, 8), 7.0, np.float32)
+    scene = Scene(flat, np.array([0, 10]), flat, np.array([0, 10]))
+    assert (sharpened(scene, 0.5).images == flat).all()
+    edge = replace(scene, images=np.where(np.arange(8) < 4, 0, 200) * np.ones_like(flat))
+    assert sharpened(edge, 0.5).images.min() == 0
+    assert sharpened(edge, 0.5).images.max() > 200
+
+
+@pytest.mark.parametrize(("sd", "rise"), [(0.0, 0.0), (0.5, 0.0), (1.0, 0.0), (1.0, 0.6), (0.3, 0.6)])
+def test_noise_of_frames_is_its_variance_less_the_square_of_a_steady_rise(sd: float, rise: float) -> None:
+    """Of 38 000 products the mean is known to 2 % of the noise; five times that is allowed."""
+    rng = np.random.default_rng(2)
+    frames = 80 + rise * np.arange(40)[:, None, None] + sd * rng.normal(0, 1, (40, 30, 35))
+    assert frame_noise2(frames) == pytest.approx(max(sd**2 - rise**2, 0), abs=0.1 * sd**2 + 1e-6)
+
+
+def test_calm_frames_are_means_over_the_longest_span_that_differs_by_no_more_than_noise() -> None:
+    """At rest noise goes down to that of the mean of 45; where light jumps frames stay as they were."""
+    rng = np.random.default_rng(3)
+    light = np.full((90, 16, 24), 100.0)
+    light[45:, :, 12:] = 160
+    noisy = light + rng.normal(0, 1, light.shape)
+    found = calm(noisy, 1.0, (5, 15, 45))
+    assert np.std((found - light)[30:60, :, :6]) < 2 / np.sqrt(45)
+    assert np.abs(found - noisy)[43:47, :, 15:].max() < 0.1

@@ -5,7 +5,8 @@ from numpy.typing import NDArray
 
 from voltcam_client.packet import EVENT
 from voltcam_lab.light.scene import scene_of
-from voltcam_lab.statistics import LABELS, Setting, observe, setting_of
+from voltcam_lab.statistics import GROUPS, Setting, setting_of
+from voltcam_lab.statistics.stream import stream_of
 
 WIDTH, HEIGHT, PERIOD_US = 24, 18, 10_000
 PIXELS = WIDTH * HEIGHT
@@ -46,10 +47,11 @@ def poisson(rng: np.random.Generator, rate_hz: object, seconds: float = 8.0, on:
 
 
 def seen(setting: Setting, events: Events, group: str, name: str, *strata: str) -> NDArray[np.float64]:
-    """Entries of an observation, summed over the parts, whose label has these classes among its strata."""
-    values = observe(setting, events).values.sum(axis=0)
+    """Entries of a group, summed over the parts, whose label has these classes among its strata."""
+    (observed,) = (each for each in GROUPS if each.letter == group)
+    values = observed.observe(setting, stream_of(setting, events)).sum(axis=0)
     return np.array([
         value
-        for value, label in zip(values, LABELS, strict=True)
-        if (label.group, label.name) == (group, name) and set(strata) <= {which for _, which in label.strata}
+        for value, label in zip(values, observed.labels, strict=True)
+        if label.name == name and set(strata) <= {which for _, which in label.strata}
     ])  # fmt: skip

@@ -1,10 +1,18 @@
-"""Forms of the open route."""
+"""Forms of the open route, as formulas and in words."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from voltcam_lab.diagnosis.catalogue.candidate import Candidate
 from voltcam_lab.diagnosis.search import unlisted
-from voltcam_lab.diagnosis.search.settings import OpenRoute
+from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
+from voltcam_lab.diagnosis.search.screen import Screen, Signature
+from voltcam_lab.diagnosis.search.settings import DEFAULTS, OpenRoute
+from voltcam_lab.diagnosis.search.spread import TwinSpread
+from voltcam_lab.diagnosis.search.step import SearchStep
+from voltcam_lab.diagnosis.search.trial import Trial
 from voltcam_simulator import Parameters
 
 ROUTE = OpenRoute()
@@ -45,3 +53,56 @@ def test_slopes_over_the_image_have_next_to_no_drift_in_the_middle(axis: str) ->
     for size in slope.sizes:
         drift = slope.on(start, size).residual_drift
         assert abs(drift.per_us) < 0.2 * abs(drift.per_us * getattr(drift, axis))
+
+
+NONE = np.zeros((4, 1))
+
+
+def trial(form: Candidate, size: float) -> Trial:
+    hypothesis = Hypothesis(Parameters.of("paper")).with_effect(form, (size,))
+    return Trial(form, hypothesis, NONE, 1.0, 1.0, 1.0, 1.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("effect", "name", "others", "formula"),
+    [
+        ("residual_drift", "per_us", {"power": -0.5}, "drift += 2.35e-07/us ((L + 20)/148)^-0.5"),
+        (
+            "residual_drift",
+            "per_us",
+            {"power": 0.0, "down": 8.0},
+            "drift += 2.35e-07/us ((L + 20)/148)^0 (1 + 8 v)",
+        ),
+        (
+            "residual_drift",
+            "per_us",
+            {"power": 0.0, "across": 8.0},
+            "drift += 2.35e-07/us ((L + 20)/148)^0 (1 + 8 u)",
+        ),
+        ("residual_noise", "variance_per_us", {"power": 1.0}, "sigma^2 += 2.35e-07/us ((L + 20)/148)^1"),
+    ],
+)
+def test_a_term_is_said_as_a_formula(effect: str, name: str, others: dict[str, float], formula: str) -> None:
+    form = Candidate(effect, (name,), ((2e-7,),), others)
+    assert unlisted.formula_of(trial(form, 2.3456e-7)) == formula
+
+
+def test_forms_that_do_as_well_are_named_each_once_and_the_best_one_not() -> None:
+    start = Parameters.of("paper")
+    best, *others = forms(start)
+    same = replace(best, sizes=best.sizes[:1])
+    signatures = tuple(Signature(one, one.sizes[0], NONE) for one in (best, same, *others, *others))
+    tied = DEFAULTS.proof.tied
+    scores = np.full(len(signatures), 100.0)
+    spread = TwinSpread(NONE, NONE, NONE, NONE, [], NONE[..., None])
+    screen = Screen(Hypothesis(start), spread, NONE[..., None], signatures, np.zeros(0), DEFAULTS)
+    step = SearchStep(Hypothesis(start), screen, NONE, NONE, 1, 1, 0, 0, scores, 0.0, 30.0, ())
+    names = unlisted.tied_forms(DEFAULTS, step, trial(best, best.sizes[0][0]))
+    assert len(names) == len(set(names)) == len(others)
+    assert "drift growing down the image" in names
+    assert "noise with brightness^-0.5" in names
+    behind = np.where(np.arange(len(scores)) == 2, 100 - tied + 0.1, 100 - tied - 0.1)
+    behind[0] = 100
+    assert (
+        len(unlisted.tied_forms(DEFAULTS, replace(step, scores=behind), trial(best, best.sizes[0][0]))) == 1
+    )

@@ -1,0 +1,158 @@
+"""The search on scores that are formulas: no camera is simulated."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from voltcam_lab.calibration.refine.coordinate_search import BETTER, CoordinateSearch, LightTrial
+from voltcam_lab.calibration.refine.coordinates import ABSENT, CORE, OFFERED, Point, point_of
+from voltcam_lab.calibration.refine.goal import Goal
+from voltcam_lab.distances import FrameLight, Region
+from voltcam_lab.light.grey import WHITE_DN
+from voltcam_simulator import EVENT
+
+from .made import START, wave
+
+PLAIN = point_of(START) | ABSENT | {"k6": 1e-5, "delay_us": 1000.0, "period_us": 500.0}
+SCENE = wave(0.05)
+Score = Callable[[Point], float]
+
+
+class MadeSearch(CoordinateSearch):
+    """Both parts of the pixels have a formula in place of their score."""
+
+    def __init__(self, seen: Score, unseen: Score | None = None) -> None:
+        self.start, self.scene, self.said = START, SCENE, list[str]()
+        self.report = self.said.append
+        self._seen, self._unseen = seen, unseen or seen
+
+    def score(self, point: Point) -> float:
+        return self._seen(point)
+
+    def unseen(self, point: Point) -> float:
+        return self._unseen(point)
+
+
+def bowl(**best: float) -> Score:
+    """1 at the best, more by the squared logarithm of how far each coordinate is from it."""
+
+    def score(point: Point) -> float:
+        return 1 + sum(math.log(point[name] / value) ** 2 for name, value in best.items())
+
+    return score
+
+
+def test_coordinates_are_found_at_the_bottom_of_a_bowl() -> None:
+    search = MadeSearch(bowl(gain=12.0, on_over_off=0.8, knee_dn=30.0))
+    point, best = search.moved(PLAIN, ("gain", "on_over_off", "knee_dn"), 0.3, 12)
+    assert [point[name] for name in ("gain", "on_over_off", "knee_dn")] == pytest.approx(
+        [12, 0.8, 30], rel=0.05
+    )
+    assert best == search.score(point) < 1.01
+    assert {name: point[name] for name in CORE[3:]} == {name: PLAIN[name] for name in CORE[3:]}
+
+
+def test_no_step_makes_it_worse_and_the_start_is_left_as_it_was() -> None:
+    rng = np.random.default_rng(1)
+    given = dict(PLAIN)
+    search = MadeSearch(lambda point: float(rng.normal()))
+    _, best = search.moved(given, ("gain", "knee_dn"), 0.3, 5, best=-5.0)
+    assert best <= -5.0
+    assert given == PLAIN
+
+
+def with_mechanisms(**needed: float) -> Score:
+    """As much above 1 as the mechanisms are off; any other one that is there costs a little."""
+
+    def score(point: Point) -> float:
+        other = sum(0.01 for name, value in ABSENT.items() if name not in needed and point[name] != value)
+        return 1 + other + sum(abs(point[name] - size) / size for name, size in needed.items())
+
+    return score
+
+
+def test_mechanisms_that_both_parts_need_are_kept_and_no_others() -> None:
+    bare = PLAIN | ABSENT
+    search = MadeSearch(with_mechanisms(reset_spread=0.08, shot_c=0.01))
+    point, kept = search.offered(bare)
+    assert set(kept) == {"reset_spread", "shot_c"}
+    assert (point["reset_spread"], point["shot_c"]) == pytest.approx((0.08, 0.01), rel=0.1)
+    assert {name for name, value in ABSENT.items() if point[name] != value} == set(kept)
+    assert len(search.said) == len(OFFERED)
+
+
+def test_what_helps_only_the_pixels_that_chose_it_is_not_kept() -> None:
+    bare = PLAIN | ABSENT
+    search = MadeSearch(with_mechanisms(reset_spread=0.08), with_mechanisms())
+    assert search.offered(bare) == (bare, ())
+
+
+def test_a_mechanism_that_is_there_stays_and_is_not_offered_again() -> None:
+    there = PLAIN | ABSENT | {"jitter_us": 100.0}
+    search = MadeSearch(with_mechanisms())
+    point, kept = search.offered(there)
+    assert kept == ("jitter_us",)
+    assert point == there
+    assert "refine: jitter_us" not in search.said
+
+
+def test_what_neither_part_misses_goes_in_the_end() -> None:
+    both = PLAIN | ABSENT | {"jitter_us": 100.0, "reset_spread": 0.08}
+    point, kept = MadeSearch(with_mechanisms(reset_spread=0.08)).without_needless(
+        both, ("jitter_us", "reset_spread")
+    )
+    assert kept == ("reset_spread",)
+    assert point["jitter_us"] == 0
+    missed = MadeSearch(
+        with_mechanisms(reset_spread=0.08), with_mechanisms(reset_spread=0.08, jitter_us=100.0)
+    )
+    assert missed.without_needless(both, ("jitter_us", "reset_spread"))[1] == ("jitter_us", "reset_spread")
+
+
+def test_a_slower_front_end_takes_its_lag_from_the_delay() -> None:
+    """Two time constants 1 / (2 pi f), from then on only the change of them; never below 1 us."""
+    seen: list[Point] = []
+
+    def score(point: Point) -> float:
+        seen.append(dict(point))
+        return 2.0 if point["cutoff_hz"] == 0 else 1.0 if point["cutoff_hz"] == 500 else 3.0
+
+    MadeSearch(score).offered(PLAIN | ABSENT)
+    delays = {point["cutoff_hz"]: point["delay_us"] for point in seen}
+    assert delays[1500] == pytest.approx(1000 - 2e6 / (2 * math.pi * 1500))
+    assert delays[500] == pytest.approx(1000 - 2e6 / (2 * math.pi * 500))
+    assert delays[200] == 1
+
+
+def test_noise_that_is_error_of_the_light_goes_first() -> None:
+    noisy = PLAIN | {"k3": 1e-4, "k6": 1e-5, "reset_spread": 0.1, "period_us": 0.0}
+    score = bowl(gain=PLAIN["gain"], delay_us=4000.0)
+    found = MadeSearch(lambda point: score(point) + point["reset_spread"] + 1e3 * point["k3"]).first(noisy)
+    assert found["reset_spread"] == found["k3"] == found["k6"] == 0
+    assert found["delay_us"] == pytest.approx(4000, rel=0.1)
+    assert found["period_us"] > 0
+
+
+def test_a_light_is_better_if_both_parts_say_so() -> None:
+    first, limit = LightTrial(PLAIN, 1.0, 1.0, SCENE, "as it was", 0.0), BETTER
+    for score, unseen, better in (
+        (limit - 1e-6, limit - 1e-6, True),
+        (limit + 1e-6, 0.5, False),
+        (0.5, limit + 1e-6, False),
+    ):
+        assert LightTrial(PLAIN, score, unseen, SCENE, "bent", 0.0).better_than(first) == better
+
+
+def test_where_there_is_no_such_camera_the_score_is_infinite() -> None:
+    """Beyond white the knee is of no consequence; gamma has a limit in the registry."""
+    end_us = int(SCENE.t_us[-1])
+    region = Region.whole(SCENE.width, SCENE.height, 0, end_us)
+    light = FrameLight(SCENE.taken.astype(np.uint8), SCENE.taken_us)
+    goal = Goal(np.empty(0, EVENT), region, light)
+    search = CoordinateSearch(START, goal, goal, SCENE, region, 1, lambda step: None)
+    assert math.isfinite(search.score(PLAIN))
+    assert search.score(PLAIN) == search.unseen(PLAIN)
+    for wrong in ({"knee_dn": WHITE_DN + 1}, {"gamma": 99.0}):
+        assert search.score(PLAIN | wrong) == math.inf

@@ -1,0 +1,88 @@
+"""What the search finds of a camera that nothing of ours has made, and how close it comes elsewhere."""
+
+import numpy as np
+import pytest
+from tests.lab.calibration.refine.made import (
+    BASE,
+    HEIGHT,
+    LATE_US,
+    START,
+    TRUTH,
+    WIDTH,
+    Recording,
+)
+
+from voltcam_lab.calibration.refine.coordinates import ABSENT, PLACES, point_of, response
+from voltcam_lab.calibration.refine.goal import Goal
+from voltcam_lab.calibration.refine.refine import Refined, refine
+from voltcam_lab.calibration.refine.replay import Replay
+from voltcam_lab.distances import Yardstick
+from voltcam_lab.models.model import MODELS, simulate
+
+
+@pytest.fixture(scope="module")
+def recording() -> Recording:
+    return Recording()
+
+
+@pytest.fixture(scope="module")
+def refined(recording: Recording) -> Refined:
+    steps: list[str] = []
+    found = refine(
+        recording.events, recording.scene, recording.light, recording.fitting, START, 1, steps.append
+    )
+    assert all(step.startswith("refine: ") for step in steps)
+    return found
+
+
+def test_what_was_not_looked_at_comes_closer(recording: Recording, refined: Refined) -> None:
+    """As close as the camera's own parameters are, within the luck of patterns and of few events."""
+    yardstick = Yardstick(recording.events, recording.judging, recording.light)
+    before, after, best = (
+        yardstick.distances(simulate(MODELS["exact"](WIDTH, HEIGHT, parameters, 1), scene))
+        for parameters, scene in (
+            (START, recording.scene),
+            (refined.parameters, refined.scene),
+            (TRUTH, recording.scene),
+        )
+    )
+    for name in ("W1", "pair", "TVs"):
+        assert after[name] < min(0.75 * before[name], 1.25 * best[name]), name
+    assert after["b4"] > before["b4"]
+    assert refined.after < refined.before / 2
+
+
+def test_parameters_are_those_of_the_camera(refined: Refined) -> None:
+    """One recording, one seed: tolerances are several times what other seeds differ by."""
+    found = refined.parameters
+    assert found.latency.delay_us == pytest.approx(LATE_US, abs=900)  # frames are 10 ms apart
+    assert found.comparator.theta_on / found.comparator.theta_off == pytest.approx(1.44, rel=0.12)
+    change = response(point_of(found), np.array([40.0, 160.0]))[1]  # however bent
+    assert change == pytest.approx(BASE.k1 * np.log((160 + BASE.k2) / (40 + BASE.k2)), rel=0.12)
+    assert {"threshold_spread", "reset_spread"} & set(refined.kept)
+    assert 0.08 < np.hypot(found.threshold_mismatch.sigma, found.reset_noise.sigma) < 0.35
+
+
+def test_what_is_not_there_is_not_kept(refined: Refined) -> None:
+    assert not {"pairs_hz", "hot", "k4_per_us", "k5_per_dn_us"} & set(refined.kept)
+    assert {*refined.kept, *refined.dropped} == set(ABSENT)
+    for name, absent in ABSENT.items():
+        effect, parameter = PLACES[name]
+        is_there = getattr(getattr(refined.parameters, effect), parameter) != absent
+        assert is_there == (name in refined.kept), name
+
+
+def test_the_score_of_the_recording_is_nothing(recording: Recording) -> None:
+    goal = Goal(recording.events, recording.fitting, recording.light)
+    assert goal.score(recording.events) == 0
+    assert goal.score(recording.events[::2]) > 0.1
+
+
+def test_a_replay_gives_the_events_of_its_region_only(recording: Recording) -> None:
+    """Pixel by pixel as many as the whole sensor gives, but for its random numbers."""
+    parameters = START.changed({"photon_noise": {"k3": 0.0}, "leak_noise": {"k6": 0.0}})
+    some = Replay.of(recording.scene, recording.fitting).events(parameters, 1)
+    everything = simulate(MODELS["exact"](WIDTH, HEIGHT, parameters, 1), recording.scene)
+    assert recording.fitting.pixels[some["y"], some["x"]].all()
+    one, other = recording.fitting.of(some), recording.fitting.of(everything)
+    assert one.size == pytest.approx(other.size, rel=0.02)

@@ -1,0 +1,164 @@
+"""From a recording to a camera file: what is refused, what is looked at, and what the file says.
+
+The fit itself is another module's: here it finds what it is told to find.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+from tests.lab.health.made import HEIGHT, WIDTH, healthy, some_events, well, with_events
+
+from voltcam_lab.calibration import camera_from as module
+from voltcam_lab.calibration.calibrate import Calibration, CalibrationError
+from voltcam_lab.calibration.camera_from import Calibrated, camera_from
+from voltcam_lab.calibration.estimates import correlations, estimates_of, noise_shares
+from voltcam_lab.calibration.fit import PRIOR, Fit
+from voltcam_lab.calibration.reading import Reading
+from voltcam_lab.calibration.refine.refine import Refined
+from voltcam_lab.health import inspect
+from voltcam_simulator import Camera, Parameters
+from voltcam_simulator.effects.junction_leak import arrhenius
+
+FOUND = Parameters.of("ideal").changed({
+    "contrast_response": {"k1": 6.123456, "k2_dn": 21.0}, "junction_leak": {"k4_per_us": 2e-7},
+})  # fmt: skip
+
+
+def told(reading: Reading, *_: object) -> Calibration:
+    """What a fit might have found, whatever the recording."""
+    k = len(PRIOR.centre)
+    covariance = np.diag((0.3 * PRIOR.sd) ** 2)
+    fit = Fit(PRIOR.centre, covariance, 0.3 * PRIOR.sd, np.eye(k), 0.97, (0.0, 0.0), 0.0)
+    noise = noise_shares(PRIOR.centre, covariance)
+    return Calibration(
+        FOUND, estimates_of(PRIOR.centre, 0.3 * PRIOR.sd, noise), correlations(covariance, noise), -250.0,
+        0.0, fit, reading, 4321,
+    )  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def _no_fit(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "calibrate", told)
+
+
+@pytest.fixture(scope="module")
+def plain() -> Calibrated:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "calibrate", told)
+        return camera_from(well(), name="mine", refining=False)
+
+
+def test_the_camera_has_what_was_found_and_the_recording_s_size(plain: Calibrated) -> None:
+    assert (plain.camera.name, plain.camera.width, plain.camera.height) == ("mine", WIDTH, HEIGHT)
+    assert plain.camera.parameters.contrast_response == FOUND.contrast_response
+    assert plain.refined is None
+    assert plain.moved == ()
+
+
+def test_notes_say_what_was_fitted_and_what_may_be_wrong(plain: Calibrated) -> None:
+    text = "\n".join(plain.notes)
+    for words in (
+        "160 frames", "4321 intervals", "97% of these", "k1 and k2_dn are correlated",
+        "events come 250 us before the light of the frames: latency is set to 0",
+    ):  # fmt: skip
+        assert words in text
+
+
+def test_the_file_loads_as_the_camera_to_four_digits(plain: Calibrated) -> None:
+    text = plain.to_yaml("walk.npz")
+    assert text.startswith("# Calibrated by `voltcam calibrate` (exact law) from walk.npz.")
+    comments = [line for line in text.splitlines() if line.startswith("#")]
+    assert all(any(note in line for line in comments) for note in plain.notes)
+    assert sum(line.startswith("#   ") for line in comments) == len(plain.estimates)
+    loaded = (
+        Camera.model_validate_yaml(text) if hasattr(Camera, "model_validate_yaml") else yaml.safe_load(text)
+    )
+    assert loaded["contrast_response"]["k1"] == 6.123
+    assert (loaded["name"], loaded["width"], loaded["height"]) == ("mine", WIDTH, HEIGHT)
+    assert "parameters" not in loaded
+
+
+def test_the_leak_is_given_at_its_own_temperature() -> None:
+    """Fitted at 45 degrees, it is that much less at the one that a file gives it for."""
+    found = camera_from(well(), temperature_c=45.0, refining=False).camera.parameters
+    assert found.temperature_c == 45
+    at_45 = found.junction_leak.k4_per_us * arrhenius(45.0, found.junction_leak.activation_energy_ev)
+    assert at_45 == pytest.approx(2e-7)
+    assert found.junction_leak.k4_per_us < 2e-7
+
+
+def test_other_effects_of_a_base_are_kept_and_its_size_must_fit() -> None:
+    base = Camera(name="base", width=WIDTH, height=HEIGHT, parameters=Parameters().changed({
+        "latency": {"jitter_us": 33.0}, "contrast_response": {"k1": 1.0},
+    }))  # fmt: skip
+    found = camera_from(well(), base=base, refining=False).camera.parameters
+    assert found.latency.jitter_us == 33
+    assert found.contrast_response.k1 == FOUND.contrast_response.k1
+    with pytest.raises(CalibrationError, match=f"base has 3x2 pixels, the recording {WIDTH}x{HEIGHT}"):
+        camera_from(well(), base=base.model_copy(update={"width": 3, "height": 2}))
+
+
+def test_hot_pixels_are_counted_and_not_fitted() -> None:
+    """One that fires 100 times a second for the whole 4 s, at random."""
+    t_us = int(healthy().frame_t_us[0]) + np.random.default_rng(1).integers(0, 4_000_000, 400)
+    hot = inspect(with_events(healthy(), some_events(t_us, 20, 30, True)))
+    assert np.argwhere(hot.hot).tolist() == [[30, 20]]
+    found = camera_from(hot, refining=False)
+    assert not found.reading.keep[30, 20]
+    assert found.reading.keep.sum() == WIDTH * HEIGHT - 1
+    parameters = found.camera.parameters.hot_pixels
+    assert parameters.fraction == pytest.approx(1 / (WIDTH * HEIGHT))
+    assert parameters.rate_hz == pytest.approx(100, rel=0.05)
+
+
+def test_of_too_much_the_middle_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    recording = healthy()
+    monkeypatch.setattr(module, "MOST_SAMPLES", recording.frames.size // 4)
+    found = camera_from(well(), refining=False)
+    scene = found.reading.scene
+    assert (scene.height, scene.width) == (HEIGHT // 2, WIDTH // 2)
+    top, left = HEIGHT // 4, WIDTH // 4
+    np.testing.assert_array_equal(
+        scene.taken, recording.frames[:, top : top + HEIGHT // 2, left : left + WIDTH // 2]
+    )
+    inside = [
+        (t, x - left, y - top, p)
+        for t, x, y, p in recording.events.tolist()
+        if top <= y < top + HEIGHT // 2 and left <= x < left + WIDTH // 2
+    ]
+    assert found.reading.events.tolist() == inside
+    assert f"of the middle {WIDTH // 2}x{HEIGHT // 2} pixels of {WIDTH}x{HEIGHT}" in found.notes[0]
+    assert (found.camera.width, found.camera.height) == (WIDTH, HEIGHT)
+
+
+@pytest.mark.parametrize(("after", "taken"), [(0.5, True), (0.95, False)])
+def test_what_behaves_more_alike_is_taken_if_it_is_worth_it(
+    monkeypatch: pytest.MonkeyPatch, after: float, taken: bool
+) -> None:
+    better = FOUND.changed({"contrast_response": {"k1": 7.0}, "latency": {"delay_us": 900.0}})
+
+    def refined(_: object, scene: object, *__: object, **___: object) -> Refined:
+        return Refined(better, scene, "as it was", (), (), 1.0, after)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(module, "refine", refined)
+    found = camera_from(well())
+    moved = (("contrast_response.k1", 6.123456, 7.0), ("latency.delay_us", 0.0, 900.0))
+    assert sorted(found.moved) == (sorted(moved) if taken else [])
+    assert found.camera.parameters.contrast_response.k1 == (7.0 if taken else 6.123456)
+    said = "were moved to behave as the recording does" if taken else "are the likeliest"
+    assert said in found.notes[-1]
+
+
+def test_a_recording_of_no_use_is_refused_with_its_fault(monkeypatch: pytest.MonkeyPatch) -> None:
+    broken = inspect(replace(healthy(), events=healthy().events[:0]))
+    with pytest.raises(CalibrationError, match="no events"):
+        camera_from(broken)
+
+    def refused(*_: object) -> None:
+        raise ValueError("too few intervals")
+
+    monkeypatch.setattr(module, "calibrate_as_paper", refused)
+    with pytest.raises(CalibrationError, match="too few intervals"):
+        camera_from(well(), method="paper")

@@ -1,0 +1,68 @@
+"""Scenes whose light is known: what is between frames, and how far one may trust it."""
+
+import numpy as np
+import pytest
+
+from voltcam_lab.light.scene import TRUSTED, Scene, scene_of
+
+PERIOD_US = 10_000
+
+
+def scene(images: np.ndarray, *t_us: int) -> Scene:
+    times = np.array(t_us or PERIOD_US * np.arange(len(images)), np.int64)
+    return scene_of(images.astype(np.float32), times, "linear")
+
+
+def ramp(frames: int = 7) -> np.ndarray:
+    """(frames, 3, 4), pixels that rise at speeds of their own."""
+    return 100 + np.arange(frames)[:, None, None] * np.arange(12).reshape(3, 4)
+
+
+def test_frames_are_all_there_at_their_times() -> None:
+    images = np.random.default_rng(1).uniform(0, 255, (5, 3, 4))
+    found = scene(images, 0, 10_000, 15_000, 40_000, 50_000)
+    assert (found.height, found.width) == (3, 4)
+    given = {frame.t_us: frame.image for frame in found.frames()}
+    for image, t_us in zip(found.taken, found.taken_us.tolist(), strict=True):
+        np.testing.assert_array_equal(given[t_us], image)
+    assert sorted(given) == list(given)
+
+
+def test_light_on_a_straight_line_surprises_nobody() -> None:
+    found = scene(ramp())
+    assert found.surprise == pytest.approx(0, abs=1e-4)
+    assert found.trusted().all()
+    assert found.trusted().shape == (6, 12)
+    assert not scene(ramp()).doubt(np.array([3], np.int32), np.array([25_000.0])).any()
+
+
+def test_a_surprise_is_the_distance_from_the_line_between_the_neighbours() -> None:
+    """The first frame and the last have a neighbour on one side only: they never surprise."""
+    images = np.random.default_rng(2).uniform(0, 255, (7, 3, 4)).astype(np.float32)
+    t_us = np.array([0, 10, 25, 30, 50, 55, 70]) * 1000
+    found = scene(images, *t_us.tolist())
+    for k in range(1, 6):
+        share = (t_us[k] - t_us[k - 1]) / (t_us[k + 1] - t_us[k - 1])
+        line = (1 - share) * images[k - 1] + share * images[k + 1]
+        assert found.surprise[k] == pytest.approx(np.abs(images[k] - line).ravel(), abs=1e-3)
+    assert not found.surprise[[0, -1]].any()
+
+
+def test_where_a_frame_surprises_its_neighbourhood_is_not_trusted_before_and_after() -> None:
+    images = np.full((9, 6, 8), 100.0)
+    images[4, 2, 3] += 2.1 * TRUSTED * 120  # its neighbours in time are off by half of that
+    trusted = scene(images).trusted().reshape(8, 6, 8)
+    wanted = np.ones((8, 6, 8), bool)
+    wanted[2:6, 1:4, 2:5] = False
+    assert (trusted == wanted).all()
+    assert scene(images).trusted(0.2).all()
+
+
+def test_doubt_is_largest_half_way_and_nothing_at_a_frame() -> None:
+    images = ramp().astype(float)
+    images[3, 1, 2] += 8
+    found, pixel = scene(images), np.full(5, 6, np.int32)
+    at = found.doubt(pixel, np.array([30_000.0, 32_500.0, 35_000.0, 37_500.0, 40_000.0]))
+    assert at == pytest.approx([0, 6, 8, 6, 0], abs=1e-3)
+    outside = found.doubt(pixel[:2], np.array([-5000.0, 99_000.0]))
+    assert not outside.any()

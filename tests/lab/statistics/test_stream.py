@@ -1,0 +1,43 @@
+"""Where and when in the setting each event was, against looking it up one by one."""
+
+import numpy as np
+import pytest
+
+from voltcam_lab.statistics.setting import setting_of
+from voltcam_lab.statistics.strata import SLOPES
+from voltcam_lab.statistics.stream import NONE, stream_of
+
+from .streams import HEIGHT, PIXELS, WIDTH, brightening, poisson
+
+
+def test_each_event_is_in_its_step_block_and_tile_with_its_light_and_its_former() -> None:
+    """Steps and blocks end with the time that they end at. Every third pixel is kept."""
+    whole = brightening(2.0)
+    keep = (np.arange(PIXELS) % 3 == 0).reshape(HEIGHT, WIDTH)
+    setting = setting_of(whole.scene, whole.frame_t_us, keep)
+    rng = np.random.default_rng(1)
+    events = poisson(rng, 2.0, 2.0)
+    events["p"] = rng.random(len(events)) < 0.5
+    events["t"] = events["t"] // 5000 * 5000  # some at the ends of steps, at 0, and at the same time
+    found = stream_of(setting, events)
+    edges, scene_us = setting.block_edges_us, setting.scene.t_us
+    kept = [
+        (t, y * WIDTH + x, on)
+        for t, x, y, on in events.tolist()
+        if 0 < t <= 2_000_000 and (y * WIDTH + x) % 3 == 0
+    ]
+    kept.sort()
+    assert len(found.t_us) == len(kept)
+    last: dict[int, int] = {}
+    for i, (t, pixel, on) in enumerate(kept):
+        assert (found.t_us[i], found.pixel[i], found.on[i]) == (t, pixel, on)
+        step = next(k for k in range(len(scene_us) - 1) if scene_us[k] < t <= scene_us[k + 1])
+        block = next(k for k in range(len(edges) - 1) if edges[k] < t <= edges[k + 1])
+        place = setting.pixels.tolist().index(pixel)
+        assert found.quarter[i] == block % 4
+        assert found.part[i] == 2 * (block % 2) + setting.tiles.ravel()[pixel]
+        assert SLOPES * found.intensity[i] + found.slope[i] == setting.strata.index[place, step]
+        assert found.former[i] == last.get(pixel, -1)
+        assert found.interval_us[i] == (t - kept[last[pixel]][0] if pixel in last else NONE)
+        last[pixel] = i
+    assert found.log == pytest.approx(np.log(25) + 1.15e-6 * found.t_us, abs=1e-3)
