@@ -18,6 +18,7 @@ from voltcam_lab.calibration.fit import PRIOR, Fit
 from voltcam_lab.calibration.reading import Reading
 from voltcam_lab.calibration.refine.refine import Refined
 from voltcam_lab.health import inspect
+from voltcam_lab.light.scene import Scene, scene_of
 from voltcam_simulator import Camera, Parameters
 from voltcam_simulator.effects.junction_leak import arrhenius
 
@@ -38,15 +39,22 @@ def told(reading: Reading, *_: object) -> Calibration:
     )  # fmt: skip
 
 
+def straight(frames: np.ndarray, t_us: np.ndarray) -> Scene:
+    """The light between frames goes straight: soonest made."""
+    return scene_of(frames, t_us, "linear")
+
+
 @pytest.fixture(autouse=True)
 def _no_fit(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "calibrate", told)
+    monkeypatch.setattr(module, "scene_between", straight)
 
 
 @pytest.fixture(scope="module")
 def plain() -> Calibrated:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "calibrate", told)
+        patch.setattr(module, "scene_between", straight)
         return camera_from(well(), name="mine", refining=False)
 
 
