@@ -24,7 +24,7 @@ run: .venv/installed-server
 
 # A file runs in one process, so that its fixtures are made once.
 test: .venv/installed-dev
-	$(BIN)/pytest -n logical --dist loadfile
+	$(BIN)/pytest -n logical --dist loadfile --no-loadscope-reorder
 
 check: .venv/installed-dev
 	$(BIN)/ruff format --check .
