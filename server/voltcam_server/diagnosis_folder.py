@@ -1,6 +1,7 @@
 """The folders of a daemon's diagnoses: made, and tidied up when they are over."""
 
 import contextlib
+import itertools
 import os
 import shutil
 import tempfile
@@ -15,6 +16,8 @@ START = "start.yaml"
 """The camera that a diagnosis begins from."""
 GATHERED = "gathered.npz"
 """What was gathered of a stream."""
+_NUMBERS = itertools.count(1)
+"""Of the cameras of this process, one that was removed included: an object's `id` may come again."""
 
 
 class DiagnosisFolders:
@@ -23,7 +26,7 @@ class DiagnosisFolders:
     def __init__(self, work: Path | None) -> None:
         self._work = work
         # No other camera's, and no other daemon's.
-        self._prefix = f"{FOLDER}{os.getpid()}-{id(self):x}-"
+        self._prefix = f"{FOLDER}{os.getpid()}-{next(_NUMBERS)}-"
 
     def make(self, camera: Camera) -> Path:
         """A new one, with the camera in it. Raises UsageError."""
