@@ -4,11 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d, minimum_filter, minimum_filter1d
 
 from ..light.grey import USUAL_DARK_DN
+from ..light.still import steady_pairs
 
-REST_US = 500_000  # a pixel is at rest while its frames agree from so long before to so long after
 _ROWS = 16
 _STRETCH = 11
 _SAMPLES = 200_000
@@ -19,7 +18,7 @@ class LightChange:
     """t_us: (N,) of the frames. noise_dn: standard deviation of a frame's grey level. mean_dn: (H, W).
 
     step: (N-1, H, W) float16, ln of the light of frame i+1 over frame i, 0 where it is no more than noise.
-    at_rest: (N-1, H, W), the pixel and its neighbours kept their level over REST_US around that interval.
+    at_rest: (N-1, H, W), as `light.still.steady_pairs`.
     """
 
     t_us: NDArray[np.int64]
@@ -52,22 +51,16 @@ def light_change_of(images: NDArray[np.uint8], t_us: NDArray[np.int64]) -> Light
     """Of frames (N, H, W) [DN] at t_us (N,); N >= 2."""
     count, height, width = images.shape
     noise_dn = _noise_dn(images)
-    period_us = float(np.median(np.diff(t_us)))
-    window = 2 * round(min(REST_US / period_us, count)) + 1
     step = np.empty((count - 1, height, width), np.float16)
-    at_rest = np.empty((count - 1, height, width), np.bool_)
     for top in range(0, height, _ROWS):
         band = images[:, top : top + _ROWS]
         grey = band.astype(np.float32)
         log_step = np.diff(np.log(grey + USUAL_DARK_DN), axis=0)
         log_step[np.abs(np.diff(grey, axis=0)) <= 3 * np.sqrt(2) * noise_dn + 1] = 0
         step[:, top : top + _ROWS] = log_step
-        high, low = maximum_filter1d(band, window, axis=0), minimum_filter1d(band, window, axis=0)
-        steady = high - low <= 6 * noise_dn + 1
-        at_rest[:, top : top + _ROWS] = steady[1:] & steady[:-1]
-    for plane in at_rest:
-        minimum_filter(plane, 3, output=plane)
-    return LightChange(t_us, noise_dn, images.mean(0, dtype=np.float32), step, at_rest)
+    return LightChange(
+        t_us, noise_dn, images.mean(0, dtype=np.float32), step, steady_pairs(images, t_us, noise_dn)
+    )
 
 
 def sum_over_time(step: NDArray[np.float16]) -> NDArray[np.float32]:

@@ -4,6 +4,7 @@ Each reader asks on another time scale, and each limit is set by what else moves
 
 | reader | window | limit | what sets the limit |
 |---|---|---|---|
+| health | 500 ms to each side of each frame | 6 sd of frame noise and 1 DN | the noise of single frames |
 | distances | 200 ms about each pair of frames | .12 of ln(L + 20) | noise of single frames reaches .1 |
 | statistics | three buckets of 20 ms back, one ahead | .06 of ln(L + k2) | a third of a threshold |
 | paper's method | 50 ms before and after an interval | .03 of ln(L + 20) | slopes within a bin |
@@ -13,18 +14,38 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter, maximum_filter
+from scipy.ndimage import gaussian_filter, maximum_filter, maximum_filter1d, minimum_filter, minimum_filter1d
 
 from voltcam_simulator.kernel import kernel
 
 from .grey import USUAL_DARK_DN
 from .scene import Scene
 
+STEADY_US, STEADY_ROWS = 500_000, 16  # rows that are worked on together, for the sake of memory
 PAIR_WINDOW_US, PAIR_LIMIT, PAIR_NEIGHBOURS = 200_000, 0.12, 5
 BUCKET_US, BUCKETS_BEFORE, BUCKETS_AFTER, BUCKET_LIMIT = 20_000, 3, 1, 0.06
 INTERVAL_AROUND_US, INTERVAL_LIMIT = 50_000.0, 0.03
 BLACK_DN, CLIPPED_SHARE = 2.0, 0.97
 """Below the one, and above this share of the brightest, light may move unseen."""
+
+
+def steady_pairs(images: NDArray[np.uint8], t_us: NDArray[np.int64], noise_dn: float) -> NDArray[np.bool_]:
+    """(N - 1, H, W): over STEADY_US around two frames (N, H, W) a pixel and its neighbours kept their level.
+
+    noise_dn: standard deviation of a frame's grey level.
+    """
+    count, height, width = images.shape
+    period_us = float(np.median(np.diff(t_us)))
+    window = 2 * round(min(STEADY_US / period_us, count)) + 1
+    found = np.empty((count - 1, height, width), np.bool_)
+    for top in range(0, height, STEADY_ROWS):
+        rows = slice(top, top + STEADY_ROWS)
+        high, low = (f(images[:, rows], window, axis=0) for f in (maximum_filter1d, minimum_filter1d))
+        steady = high - low <= 6 * noise_dn + 1
+        found[:, rows] = steady[1:] & steady[:-1]
+    for plane in found:
+        minimum_filter(plane, 3, output=plane)
+    return found
 
 
 def still_pairs(images: NDArray[np.uint8], t_us: NDArray[np.int64]) -> NDArray[np.bool_]:
