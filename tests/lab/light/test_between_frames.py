@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter
 
 from voltcam_lab.light.between_frames import (
     calm,
@@ -75,6 +76,42 @@ def test_images_between_frames_are_as_sharp_as_the_others() -> None:
     before, after = (np.abs(np.diff(each, axis=2)).mean((1, 2)) for each in (images, evened(scene).images))
     assert np.ptp(before) > 0.3 * before.mean()
     assert np.ptp(after) < 0.1 * after.mean()
+
+
+def textured(blurs: list[float]) -> Scene:
+    """A frame each 20 ms and an image between two, all of one texture; blurs: sd of each one's [pixels]."""
+    texture = 60 + 40 * np.random.default_rng(4).random((40, 40))
+    images = np.stack([gaussian_filter(texture, blur) for blur in blurs]).astype(np.float32)
+    t_us = 10_000 * np.arange(len(blurs))
+    return Scene(images[::2], t_us[::2], images, t_us)
+
+
+def fineness(images: np.ndarray) -> np.ndarray:
+    return np.asarray(np.abs(np.diff(images, axis=2)).mean((1, 2)))
+
+
+def test_images_are_blurred_only_near_those_that_are_blurred() -> None:
+    """Of 16 gaps the last 8 have a blurred image between their frames."""
+    scene = textured([0.0] * 16 + [0.0, 0.5] * 8 + [0.0])
+    found = evened(scene)
+    np.testing.assert_array_equal(found.images[:9], scene.images[:9])
+    np.testing.assert_array_equal(found.taken, scene.taken)
+    sharp, blurred = fineness(scene.images)[:2], fineness(found.images[24:])
+    assert blurred == pytest.approx(np.full(9, blurred[1]), rel=0.1)
+    assert blurred.max() < 0.7 * sharp[0]
+
+
+def test_a_frame_that_is_blurred_itself_blurs_the_light_beside_it() -> None:
+    found = fineness(evened(textured([0.0, 0.0, 0.5, 0.0, 0.0])).images)
+    assert found == pytest.approx(np.full(5, found[2]), rel=0.1)
+
+
+def test_a_blur_that_takes_some_percent_of_the_structure_is_evened() -> None:
+    """As little as that shows once a frame in simulated events."""
+    scene = textured([0.0, 0.3, 0.0, 0.3, 0.0])
+    before, after = fineness(scene.images), fineness(evened(scene).images)
+    assert 0.92 < before[1] / before[0] < 0.99
+    assert after == pytest.approx(np.full(5, before[1]), rel=0.01)
 
 
 def test_sharpening_is_undone_by_its_blur() -> None:

@@ -5,12 +5,15 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter
 
 from voltcam_lab.calibration.refine.coordinate_search import BETTER, CoordinateSearch, LightTrial
 from voltcam_lab.calibration.refine.coordinates import ABSENT, CORE, OFFERED, Point, point_of
 from voltcam_lab.calibration.refine.goal import Goal
+from voltcam_lab.calibration.refine.replay import Replay
 from voltcam_lab.distances import FrameLight, Region
 from voltcam_lab.light.grey import WHITE_DN
+from voltcam_lab.light.scene import Scene
 from voltcam_simulator import EVENT
 
 from .made import START, wave
@@ -143,6 +146,25 @@ def test_a_light_is_better_if_both_parts_say_so() -> None:
         (0.5, limit + 1e-6, False),
     ):
         assert LightTrial(PLAIN, score, unseen, SCENE, "bent", 0.0).better_than(first) == better
+
+
+def test_light_that_is_blurred_between_frames_is_taken_evened_where_that_is_closer() -> None:
+    """The score is how unequally fine the images are that would be simulated."""
+    texture = (60 + 40 * np.random.default_rng(2).random((40, 40))).astype(np.float32)
+    images = np.stack([texture, gaussian_filter(texture, 0.5)] * 8 + [texture])
+    t_us = 10_000 * np.arange(len(images))
+    blurring = Scene(images[::2], t_us[::2], images, t_us)
+
+    def unequal(_: Point) -> float:
+        return float(np.ptp(np.abs(np.diff(search.replay.images, axis=2)).mean((1, 2))))
+
+    search = MadeSearch(unequal)
+    search.scene, search.region = blurring, Region.whole(40, 40, 0, int(t_us[-1]))
+    search.replay = Replay.of(blurring, search.region)
+    before = unequal(PLAIN)
+    found = search.light(PLAIN, same_light=False)
+    assert "evened" in found.words
+    assert unequal(PLAIN) == found.score < 0.2 * before
 
 
 def test_where_there_is_no_such_camera_the_score_is_infinite() -> None:
