@@ -22,12 +22,12 @@ from .outcome.conclude import camera_of, result_of
 from .outcome.report import page_of
 from .rig.workers import cores
 from .search.excess import own_effects, without_excess
-from .search.hypothesis import Hypothesis
+from .search.hypothesis import start_of
 from .search.identify import identify, short
 from .search.loop import diagnose
 from .search.settings import DEFAULTS, SearchSettings
 from .search.state import Say, search_of
-from .session import MOST_SECONDS, DiagnosisError, Session, session_of
+from .session import DiagnosisError, Session, session_of
 
 RUNS_FOLDER = ".voltcam-runs"  # in --out, until all is done
 LINE_PERIOD_S = 10.0
@@ -60,8 +60,8 @@ After Ctrl-C the same command goes on from where it was."""
     parser.add_argument("--out", metavar="DIR", type=Path, required=True, help="folder for the results")
     parser.add_argument("--seed", metavar="N", type=_seed, default=0, help="of what is drawn (default: 0)")
     parser.add_argument(
-        "--seconds", metavar="S", type=_duration, default=MOST_SECONDS,
-        help=f"of the recording to look at, from its beginning (default: {MOST_SECONDS:g})",
+        "--seconds", metavar="S", type=_duration, default=DEFAULTS.recording.seconds,
+        help=f"of the recording to look at, from its beginning (default: {DEFAULTS.recording.seconds:g})",
     )  # fmt: skip
     parser.set_defaults(run=run)
 
@@ -100,11 +100,12 @@ def _ready(
 ) -> Session:
     """The recording and the camera file, less what of it the recording does not show."""
     inspection = inspect(load(arguments.recording))
+    looked_at = replace(settings.recording, seconds=arguments.seconds)
 
     def ready(camera: Camera) -> Session:
         session = session_of(
             inspection, camera, runs, name=arguments.recording.absolute().name, seed=arguments.seed,
-            seconds=arguments.seconds, processes=cores(), entries=entries,
+            processes=cores(), entries=entries, settings=looked_at, rig_settings=settings.rig,
         )  # fmt: skip
         say(f"Looking at {session.looked_at()}.")
         _follow(session, bar)
@@ -125,7 +126,7 @@ def _say(text: str, bar: "tqdm[Any]") -> None:
 
 
 def _diagnose(session: Session, out: Path, say: Say, settings: SearchSettings) -> None:
-    search, start = search_of(session, settings, say), Hypothesis(session.parameters)
+    search, start = search_of(session, settings, say), start_of(session.parameters, settings)
     identifiability = identify(session.rig, start, session.candidates, settings)
     say(identifiability.text() + "\n")
     diagnosis = diagnose(search, start)

@@ -21,13 +21,9 @@ from .catalogue.clues import Clues
 from .catalogue.entries import ENTRIES, event_delay_us
 from .catalogue.entry import Entry
 from .rig.clock import counted_from, origin_us
-from .rig.part import MOST_SAMPLES, cut, in_columns, sample
+from .rig.part import cut, in_columns, sample
+from .rig.settings import DEFAULT_RECORDING, DEFAULT_RIG, RecordingSettings, RigSettings
 from .rig.stored import StoredRig
-
-MOST_SECONDS = 10.0
-FEWEST_FRAMES, FEWEST_EVENTS = 10, 50
-LONGEST_WAIT_US = 100_000  # of events before a readout that is too slow
-NOISY_DN2 = 0.15  # variance: rounding has 1/12
 
 
 class DiagnosisError(ValueError):
@@ -100,33 +96,34 @@ class Session:
 
 def session_of(
     inspection: Inspection, camera: Camera, folder: Path, *, name: str = "the recording", seed: int = 0,
-    seconds: float = MOST_SECONDS, most_samples: int = MOST_SAMPLES, processes: int = 1,
-    entries: Sequence[Entry] = ENTRIES,
+    processes: int = 1, entries: Sequence[Entry] = ENTRIES, settings: RecordingSettings = DEFAULT_RECORDING,
+    rig_settings: RigSettings = DEFAULT_RIG,
 ) -> Session:  # fmt: skip
     """Make a recording that was inspected ready; runs go to `folder`, made by so many processes. entries:
     the catalogue of effects that are looked for.
 
     Raises DiagnosisError where a diagnosis makes no sense.
     """
-    fatal = [finding for finding in inspection.health.fatal if not _may_wait(finding)]
+    fatal = [finding for finding in inspection.health.fatal if not _may_wait(finding, settings)]
     if fatal:
         raise DiagnosisError(f"{name}: {'; '.join(finding.words for finding in fatal)}")
-    origin, recording = origin_us(inspection.footage), cut(inspection.footage, seconds)
-    if len(recording.frames) < FEWEST_FRAMES:
+    origin, recording = origin_us(inspection.footage), cut(inspection.footage, settings)
+    if len(recording.frames) < settings.fewest_frames:
         raise DiagnosisError(
-            f"{name} has fewer than {FEWEST_FRAMES} frames in {seconds:g} s: give more of it"
+            f"{name} has fewer than {settings.fewest_frames} frames in {settings.seconds:g} s: "
+            "give more of it"
         )
     if not len(recording.events):
         raise DiagnosisError(f"{name} has no events while there are frames: are both on one clock?")
     camera = camera.model_copy(update={"width": recording.width, "height": recording.height})
     parameters = counted_from(camera.parameters, origin)
-    columns = sample(recording, most_samples, parameters.longest_step_us)
-    scene = best_scene(recording.frames, recording.frame_t_us, columns)
+    columns = sample(recording, settings, parameters.longest_step_us)
+    scene = best_scene(recording.frames, recording.frame_t_us, columns, settings.noisy_dn2)
     part = in_columns(recording, columns)
     setting = setting_of(scene, recording.frame_t_us, None, recording.exposure_us, parameters)
-    rig = StoredRig(setting, folder, seed, processes=processes)
+    rig = StoredRig(setting, folder, seed, rig_settings, processes=processes)
     known = len(rig.in_trusted_light(part.events))
-    if known < FEWEST_EVENTS:
+    if known < settings.fewest_events:
         raise DiagnosisError(
             f"{name}: of {len(part.events)} events {known} are where the light between frames is known: take "
             "frames more often, or move slower"
@@ -147,19 +144,24 @@ def session_of(
     )  # fmt: skip
 
 
-def best_scene(frames: NDArray[Any], t_us: NDArray[np.int64], columns: NDArray[np.int64]) -> Scene:
-    """The light between frames in some columns, by the way of filling in that is trusted most often."""
+def best_scene(
+    frames: NDArray[Any], t_us: NDArray[np.int64], columns: NDArray[np.int64], noisy_dn2: float
+) -> Scene:
+    """The light between frames in some columns, by the way of filling in that is trusted most often.
+
+    noisy_dn2: `RecordingSettings.noisy_dn2`.
+    """
     noise2 = frame_noise2(frames)
-    if noise2 > NOISY_DN2:
+    if noise2 > noisy_dn2:
         frames = calm(frames, noise2)
     elif np.issubdtype(frames.dtype, np.integer):
         frames = unrounded(frames)
     return scene_between(frames, t_us, columns, untrusted_share)
 
 
-def _may_wait(finding: Finding) -> bool:
+def _may_wait(finding: Finding, settings: RecordingSettings) -> bool:
     """Whether what looks like another clock may be events that queue: to tell these is for the diagnosis."""
-    return isinstance(finding, EventsLate) and 0 < finding.late_us < LONGEST_WAIT_US
+    return isinstance(finding, EventsLate) and 0 < finding.late_us < settings.longest_wait_us
 
 
 def _spans(columns: NDArray[np.int64]) -> str:

@@ -11,7 +11,8 @@ from voltcam_lab.diagnosis.catalogue.entries import ENTRIES
 from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
 from voltcam_lab.diagnosis.search.identify import Identifiability, identify
 from voltcam_lab.diagnosis.search.loop import Diagnosis, diagnose
-from voltcam_lab.diagnosis.search.settings import Runs, SearchSettings
+from voltcam_lab.diagnosis.search.settings import SearchSettings
+from voltcam_lab.diagnosis.search.settings_fit import Runs
 from voltcam_lab.diagnosis.search.state import Search, search_of
 from voltcam_lab.diagnosis.session import Session, session_of
 from voltcam_lab.health import inspect

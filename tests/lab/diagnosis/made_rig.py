@@ -7,6 +7,7 @@ import numpy as np
 from voltcam_lab.diagnosis.catalogue.candidate import Candidate
 from voltcam_lab.diagnosis.catalogue.clues import Clues
 from voltcam_lab.diagnosis.rig.rig import Rig
+from voltcam_lab.diagnosis.rig.settings import DEFAULT_RIG
 from voltcam_lab.diagnosis.search.hypothesis import BASE
 from voltcam_lab.light.scene import scene_of
 from voltcam_lab.statistics import FLOORS, PARTS, Values, setting_of
@@ -44,7 +45,7 @@ class MadeRig(Rig):
     """Sees `response` and noise of its own, as large as the floors."""
 
     def __init__(self, response: Callable[[Parameters], Values] = response) -> None:
-        self._response = response
+        self._response, self.settings = response, DEFAULT_RIG
 
     def run(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> Values:
         seen = self._response(parameters)

@@ -33,7 +33,7 @@ def trial(candidate: Candidate, left: float, confirmed: float | None = None, shi
 def step(excess: float, *trials: Trial, added: Candidate | None = None, held_out: float = 4.0) -> SearchStep:
     """Deviations all alike, of which chance leaves nothing. An added effect moves no statistic."""
     mean, sd = np.zeros((PARTS, N)), np.ones((PARTS, N))
-    spread = TwinSpread(mean, sd, mean, sd, [], mean[..., None])
+    spread = TwinSpread(mean, sd, mean, sd, [], mean[..., None], 4)
     hypothesis = Hypothesis(START) if added is None else Hypothesis(START).with_effect(added, added.sizes[0])
     screen = Screen(hypothesis, spread, mean[..., None], (), np.zeros(0), DEFAULTS)
     return SearchStep(

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from voltcam_lab.diagnosis.rig.settings import DEFAULT_RECORDING, RecordingSettings
 from voltcam_lab.diagnosis.session import DiagnosisError, session_of
 from voltcam_lab.health import inspect
 from voltcam_lab.recordings import Footage, load
@@ -17,9 +18,9 @@ SEEDS = [1, 2]
 PAPER = Camera.load("paper")
 
 
-def refused(recording: Footage, folder: Path, **arguments: float) -> str:
+def refused(recording: Footage, folder: Path, settings: RecordingSettings = DEFAULT_RECORDING) -> str:
     with pytest.raises(DiagnosisError) as caught:
-        session_of(inspect(recording), PAPER, folder, name="bad.npz", **arguments)  # type: ignore[arg-type]
+        session_of(inspect(recording), PAPER, folder, name="bad.npz", settings=settings)
     text = str(caught.value)
     assert "\n" not in text
     assert "bad.npz" in text
@@ -31,7 +32,7 @@ def test_what_a_recording_lacks_is_said_in_a_line(tiny: Footage, tmp_path: Path)
     few = replace(tiny, frames=tiny.frames[:3], frame_t_us=tiny.frame_t_us[:3])
     assert "only 3 frames" in refused(few, tmp_path)
     assert "events" in refused(replace(tiny, events=np.empty(0, EVENT)), tmp_path)
-    assert "fewer than 10 frames" in refused(tiny, tmp_path, seconds=0.01)
+    assert "fewer than 10 frames" in refused(tiny, tmp_path, RecordingSettings(seconds=0.01))
     refused(replace(tiny, frames=np.zeros_like(tiny.frames)), tmp_path)
 
 
@@ -138,7 +139,9 @@ def test_what_is_in_step_with_the_recording_s_clock_is_found_and_written_on_it(
 
 
 def test_of_a_large_sensor_strips_of_whole_columns_are_looked_at(tiny: Footage, tmp_path: Path) -> None:
-    session = session_of(inspect(tiny), PAPER, tmp_path, most_samples=401 * 24 * 16)
+    session = session_of(
+        inspect(tiny), PAPER, tmp_path, settings=RecordingSettings(most_samples=401 * 24 * 16)
+    )
     columns = session.columns
     assert len(columns) == 16
     assert session.rig.setting.scene.images.shape[1:] == (24, 16)

@@ -16,6 +16,8 @@ STILL_SCENE = "half a minute of a still scene, from dark to bright, on a tripod"
 REPEATED_MOTION = "the same slow motion back and forth over every pixel, many times"
 FAST_THEN_SLOW = "fast motion that fills the sensor with events, then slow motion of the same scene"
 
+LAMP, READOUT = flicker.LampSearch(), aps_coupling.ReadoutSearch()
+
 
 def sizes(*numbers: float) -> tuple[tuple[float, ...], ...]:
     """Sizes of a candidate with one name."""
@@ -72,16 +74,16 @@ ENTRIES: tuple[Entry, ...] = (
     Entry(
         "flicker",
         "a still, evenly lit wall under the lamp, frames not at a multiple of the mains",
-        flicker.lamp_candidates,
+        LAMP.candidates,
         on_clock=flicker.lamp_on_clock,
-        tuned=flicker.in_step,
+        tuned=LAMP.in_step,
     ),
     Entry(
         "aps_coupling",
         "a still scene with the frame rate changed half way",
-        aps_coupling.readout_candidates,
+        READOUT.candidates,
         on_clock=aps_coupling.readout_on_clock,
-        lead_in_us=aps_coupling.readout_lead_in_us,
+        lead_in_us=READOUT.lead_in_us,
     ),
     Entry(
         "latency",

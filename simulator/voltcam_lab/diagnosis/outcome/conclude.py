@@ -14,7 +14,8 @@ from ..rig.clock import counted_from
 from ..search.hypothesis import BASE
 from ..search.identify import Identifiability
 from ..search.loop import Diagnosis, Found
-from ..search.settings import DEFAULTS, Reporting, SearchSettings
+from ..search.settings import DEFAULTS, SearchSettings
+from ..search.settings_proof import Reporting
 from ..search.state import Search
 from ..session import Session
 from .result import (
@@ -194,7 +195,7 @@ def _strata(found: Ranked, reporting: Reporting) -> list[Stratum]:
                 value=float(found.difference[i]), low=float(found.low[i]), high=float(found.high[i])
             ),
         )
-        for i in order[: min(max(beyond, 5), reporting.most_strata)]
+        for i in order[: min(max(beyond, reporting.fewest_strata), reporting.most_strata)]
     ]
 
 

@@ -15,7 +15,7 @@ from ..search.state import Search
 from ..search.step import SearchStep
 
 Z_90 = 1.645
-"""Half width of a 90 % interval of a normal distribution [standard deviations]."""
+"""Half width of a 90 % interval of a normal distribution [standard deviations]: no choice, so no setting."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class Ranked:
 @dataclass(frozen=True, eq=False)
 class View:
     """A hypothesis beside the data. expected: (PARTS, n) what it gives on average; held_out: its gap there.
-    model_error: what it is off by, as a share of each statistic."""
+    model_error: what it is off by, as a share of each statistic. huber_z: of the gap."""
 
     hypothesis: Hypothesis
     spread: TwinSpread
@@ -51,6 +51,7 @@ class View:
     held_out: float
     floor: float
     model_error: float
+    huber_z: float
 
 
 def views(search: Search, diagnosis: Diagnosis) -> dict[str, View]:
@@ -66,9 +67,10 @@ def views(search: Search, diagnosis: Diagnosis) -> dict[str, View]:
 
 
 def _view(search: Search, step: SearchStep) -> View:
-    share = search.settings.model_error.statistic_share
+    share, huber_z = search.settings.model_error.statistic_share, search.settings.huber_z
     expected = fitted_mean(step, search.data)
-    return View(step.hypothesis, step.screen.spread, expected, step.held_out, step.floor_held_out, share)
+    gap, floor = step.held_out, step.floor_held_out
+    return View(step.hypothesis, step.screen.spread, expected, gap, floor, share, huber_z)
 
 
 def fitted_mean(step: SearchStep, data: Values) -> Values:
@@ -100,8 +102,8 @@ def gaps_by_group(view: View, data: Values) -> dict[str, tuple[float, float]]:
     for letter in dict.fromkeys(label.group for label in LABELS):
         mine = [label.group == letter for label in LABELS]
         found[letter] = (
-            mean_huber(z[..., mine]),
-            float(np.mean([mean_huber(twin[..., mine]) for twin in twins])),
+            mean_huber(z[..., mine], view.huber_z),
+            float(np.mean([mean_huber(twin[..., mine], view.huber_z) for twin in twins])),
         )
     return found
 

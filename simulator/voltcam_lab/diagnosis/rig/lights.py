@@ -6,21 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...light.scene import Scene
-
-LIGHTS = ((0.0, 0.4), (-0.3, 0.55), (0.15, 0.4), (-0.15, 0.55))
-"""Versions of the light between frames that a cubic tells: how much more it bends than `Scene.images` (-1 is
-straight), and a random error as a share of `Scene.surprise`, the error that left-out frames show. What frames
-leave open must not look like a gap. Development: about what recordings without an effect ask for."""
-MOVED_LIGHTS = ((0.0, 0.4), (-0.6, 0.6), (0.3, 0.4), (-0.3, 0.6))
-"""Versions of the light where motion had to be guessed."""
+from .settings import RigSettings
 
 LightImage = NDArray[np.float32]
 
 
-def light_behind(scene: Scene, version: int) -> Iterator[tuple[LightImage, int]]:
-    """(H, W) float32 [DN] and its time [us], for each of the scene's images."""
+def light_behind(scene: Scene, version: int, settings: RigSettings) -> Iterator[tuple[LightImage, int]]:
+    """(H, W) float32 [DN] and its time [us], for each of the scene's images. version: a number."""
     rng = np.random.default_rng(version)
-    more, error = (LIGHTS if scene.how == "cubic" else MOVED_LIGHTS)[version]
+    more, error = (settings.lights if scene.how == "cubic" else settings.moved_lights)[version]
     shape, last = scene.taken.shape[1:], len(scene.taken_us) - 1
     frame, gap = -1, np.zeros(shape, np.float32)
     for image, t_us in zip(scene.images, scene.t_us.tolist(), strict=True):

@@ -5,21 +5,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...light.grey import USUAL_DARK_DN
 from ...recordings import Footage
 from .clock import origin_us
-
-MOST_SAMPLES = 3_500_000  # pixels x frames, all of 60 x 60 pixels for 10 s at 100 frames/s
-MOST_EVENTS = 200_000
-MOST_STEPS = 15_000_000  # pixels x steps that effects of the camera file ask the simulator for
-LONGEST_SILENCE_US = 100_000  # at an end of a recording: longer, it is none of the camera's
+from .settings import RecordingSettings
 
 
-def cut(footage: Footage, seconds: float) -> Footage:
+def cut(footage: Footage, settings: RecordingSettings) -> Footage:
     """The first seconds of it that have both, events between frames and frames about events, on a clock that
     begins near its first frame: where a camera gives no events yet, it is not one that is silent."""
     origin, t_us = origin_us(footage), footage.events["t"]
-    first, last = _about(footage.frame_t_us, t_us)
-    last = min(last, footage.frame_t_us[first] + seconds * 1e6)
+    first, last = _about(footage.frame_t_us, t_us, settings.longest_silence_us)
+    last = min(last, footage.frame_t_us[first] + settings.seconds * 1e6)
     kept = (footage.frame_t_us >= footage.frame_t_us[first]) & (footage.frame_t_us <= last)
     frame_t_us = footage.frame_t_us[kept]
     events = footage.events[(t_us >= frame_t_us[0]) & (t_us <= frame_t_us[-1])].copy()
@@ -34,35 +31,37 @@ def cut(footage: Footage, seconds: float) -> Footage:
     )
 
 
-def _about(frame_t_us: NDArray[np.int64], t_us: NDArray[np.int64]) -> tuple[int, float]:
+def _about(
+    frame_t_us: NDArray[np.int64], t_us: NDArray[np.int64], longest_silence_us: int
+) -> tuple[int, float]:
     """The last frame before the events (its index), and the time of the first one after them; of all frames,
     where these are not long without any."""
     inside = t_us[(t_us >= frame_t_us[0]) & (t_us <= frame_t_us[-1])]
     first, last = 0, len(frame_t_us) - 1
-    if inside.size and inside[0] - frame_t_us[0] > LONGEST_SILENCE_US:
+    if inside.size and inside[0] - frame_t_us[0] > longest_silence_us:
         first = int(np.searchsorted(frame_t_us, inside[0], side="right")) - 1
-    if inside.size and frame_t_us[-1] - inside[-1] > LONGEST_SILENCE_US:
+    if inside.size and frame_t_us[-1] - inside[-1] > longest_silence_us:
         last = int(np.searchsorted(frame_t_us, inside[-1]))
     return first, float(frame_t_us[last])
 
 
-def sample(footage: Footage, most_samples: int, step_us: float = np.inf) -> NDArray[np.int64]:
+def sample(footage: Footage, settings: RecordingSettings, step_us: float = np.inf) -> NDArray[np.int64]:
     """Columns to look at, ascending: all, or two strips, where light changes most and where it does little.
 
-    As many as samples of light (pixels x frames), MOST_EVENTS, and MOST_STEPS of step_us allow. Rows are kept
-    whole and complete, since readout goes by rows.
+    As many as the settings allow samples of light (pixels x frames), events, and steps of step_us. Rows are
+    kept whole and complete, since readout goes by rows.
     """
     steps = footage.frames[0].size * float(np.ptp(footage.frame_t_us)) / step_us
     share = min(
-        most_samples / footage.frames.size,
-        MOST_EVENTS / max(len(footage.events), 1),
-        MOST_STEPS / max(steps, 1.0),
+        settings.most_samples / footage.frames.size,
+        settings.most_events / max(len(footage.events), 1),
+        settings.most_steps / max(steps, 1.0),
     )
-    wide = max(6, int(share * footage.width / 2))
+    wide = max(settings.narrowest_strip, int(share * footage.width / 2))
     if share >= 1 or 3 * wide > footage.width:  # nearly all: then all
         return np.arange(footage.width)
-    grey = footage.frames[:: max(1, len(footage.frames) // 50)].astype(np.float32)
-    change = np.abs(np.diff(np.log(grey + 20), axis=0)).mean(axis=(0, 1))
+    grey = footage.frames[:: max(1, len(footage.frames) // settings.compared_frames)].astype(np.float32)
+    change = np.abs(np.diff(np.log(grey + USUAL_DARK_DN), axis=0)).mean(axis=(0, 1))
     strips = change[: footage.width // wide * wide].reshape(-1, wide).mean(axis=1)
     order = np.argsort(-strips, kind="stable")
     chosen = sorted({int(order[0]), int(order[max(1, len(order) * 2 // 3)])})

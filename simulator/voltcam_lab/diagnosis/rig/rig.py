@@ -12,7 +12,8 @@ from voltcam_simulator import EVENT, Parameters, Simulator
 
 from ...statistics import COUNTS, Setting, Values, observe
 from ..catalogue.entries import acts_across_columns, lead_in_us
-from .lights import LIGHTS, light_behind
+from .lights import light_behind
+from .settings import DEFAULT_RIG, RigSettings
 
 Events = NDArray[np.void]
 TimedImage = tuple[NDArray[np.float32], int]
@@ -23,21 +24,21 @@ Job = tuple[Parameters, tuple[int, ...], bool]
 Item = TypeVar("Item")
 Made = TypeVar("Made")
 
-LEAD_IN_US = 300_000  # for which a camera has been there before it records: light that flickers, queues
-LEAD_OUT_US = 100_000  # for which it goes on, for events that are late
-REMEMBERED = 1500  # batches, some 150 MB: a fit begins where another one has been
-GUTTER = 1  # dark columns between sensors side by side: no event of one is a neighbour of the next
+REMEMBERED = 1500  # batches, some 150 MB: a fit begins where another one has been. No result depends on it
+GUTTER = 1  # dark columns between sensors side by side: with one, no event of one is a neighbour of the next
 
 
 class Rig:
     """Runs the model on one scene. The same parameters and seeds give the same noise: runs may be compared.
 
     Runs that see different versions of the light are one run of a sensor as wide as all of theirs, which
-    costs half as much: seeds come in batches of len(LIGHTS). Rows stay rows, for effects that scan them.
+    costs half as much: seeds come in batches of `versions`. Rows stay rows, for effects that scan them.
     """
 
-    def __init__(self, setting: Setting, lights: Lights | None = None) -> None:
-        self.setting = setting
+    def __init__(
+        self, setting: Setting, settings: RigSettings = DEFAULT_RIG, lights: Lights | None = None
+    ) -> None:
+        self.setting, self.settings = setting, settings
         if lights is not None:
             self.lights = lights
 
@@ -45,10 +46,16 @@ class Rig:
     def _known(self) -> NDArray[np.bool_]:
         return self.setting.scene.trusted()
 
+    @property
+    def versions(self) -> int:
+        """How many versions of the light there are."""
+        return len(self.settings.lights)
+
     @cached_property
     def lights(self) -> Lights:
         """All versions of the light, side by side, each with a gutter on its right."""
-        versions = [light_behind(self.setting.scene, version) for version in range(len(LIGHTS))]
+        scene, settings = self.setting.scene, self.settings
+        versions = [light_behind(scene, version, settings) for version in range(self.versions)]
         moving = list(_moving(_side_by_side(images) for images in zip(*versions, strict=True)))
         return np.stack([image for image, _ in moving]), [t_us for _, t_us in moving]
 
@@ -92,19 +99,19 @@ class Rig:
 
     def _simulated(self, parameters: Parameters, seed: int, copies: int) -> Events:
         scene = self.setting.scene
-        left = seed % len(LIGHTS) * (scene.width + GUTTER)
+        left = seed % self.versions * (scene.width + GUTTER)
         columns = slice(left, left + copies * (scene.width + GUTTER) - GUTTER)
         simulator = Simulator(columns.stop - left, scene.height, parameters, seed=seed)
         images, times_us = self.lights[0][:, :, columns], self.lights[1]
-        simulator.advance(images[0], times_us[0] - max(LEAD_IN_US, lead_in_us(parameters)))
+        simulator.advance(images[0], times_us[0] - max(self.settings.lead_in_us, lead_in_us(parameters)))
         found = [simulator.advance(image, t_us) for image, t_us in zip(images, times_us, strict=True)]
-        found.append(simulator.advance(images[-1], times_us[-1] + LEAD_OUT_US))
+        found.append(simulator.advance(images[-1], times_us[-1] + self.settings.lead_out_us))
         as_bytes = np.concatenate([events.view(np.uint8) for events in found])  # numpy joins records slowly
         return as_bytes.view(EVENT)
 
     def runs(self, many: Sequence[Parameters], seeds: Sequence[int], apart: bool = False) -> list[Values]:
         """Of each parameter set, (seeds, PARTS, n): all runs."""
-        batches = _batches(seeds)
+        batches = [tuple(batch) for _, batch in groupby(seeds, lambda seed: seed // self.versions)]
         jobs = [(parameters, batch, apart) for parameters in many for batch in batches]
         found = self.each(self.remembered, jobs)
         n = len(batches)
@@ -139,10 +146,6 @@ def _side_by_side(images: Sequence[TimedImage]) -> TimedImage:
     for n, (image, _) in enumerate(images):
         joined[:, n, :width] = image
     return joined.reshape(height, -1), images[0][1]
-
-
-def _batches(seeds: Sequence[int]) -> list[tuple[int, ...]]:
-    return [tuple(batch) for _, batch in groupby(seeds, lambda seed: seed // len(LIGHTS))]
 
 
 def _moving(light: Iterator[TimedImage]) -> Iterator[TimedImage]:

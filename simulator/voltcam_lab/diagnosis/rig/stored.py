@@ -15,9 +15,10 @@ from voltcam_simulator.kernel import CACHE_FOLDER
 
 from ...statistics import Setting, Values
 from .rig import Events, Item, Job, Made, Rig
+from .settings import DEFAULT_RIG, RigSettings
 from .workers import Workers
 
-_SEEDS_APART = 1 << 20  # a multiple of the versions of light, which a seed's remainder chooses
+_SEEDS_APART = 1 << 20  # a multiple of how many versions of light there are: a seed's remainder chooses
 
 Batch = Callable[[int], None]
 Done = Callable[[int], None]
@@ -31,14 +32,14 @@ class StoredRig(Rig):
     """
 
     def __init__(
-        self, setting: Setting, folder: Path, seed: int = 0, batch: Batch = lambda _: None,
-        done: Done = lambda _: None, processes: int = 1,
+        self, setting: Setting, folder: Path, seed: int = 0, settings: RigSettings = DEFAULT_RIG,
+        batch: Batch = lambda _: None, done: Done = lambda _: None, processes: int = 1,
     ) -> None:  # fmt: skip
-        super().__init__(setting)
+        super().__init__(setting, settings)
         self.batch, self.done, self._processes = batch, done, processes
         self._folder, self._seed = folder, seed
         self._ended = threading.Event()  # by an error or Ctrl-C
-        self._digest = _digest(setting)
+        self._digest = _digest(setting, settings)
         folder.mkdir(parents=True, exist_ok=True)
 
     def events(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> list[Events]:
@@ -113,7 +114,7 @@ class StoredRig(Rig):
             self._folder.rmdir()
 
 
-def _digest(setting: Setting) -> str:
+def _digest(setting: Setting, settings: RigSettings) -> str:
     """Of all that a run depends on, beside parameters and seed."""
     scene, digest = setting.scene, hashlib.sha256(CACHE_FOLDER.name.encode())
     for array in (
@@ -126,6 +127,7 @@ def _digest(setting: Setting) -> str:
     ):
         digest.update(np.ascontiguousarray(array).tobytes())
     digest.update(setting.parameters.model_dump_json().encode())
+    digest.update(repr(settings).encode())
     for source in sorted(Path(__file__).parents[1].rglob("*.py")):
         digest.update(source.read_bytes())
     return digest.hexdigest()

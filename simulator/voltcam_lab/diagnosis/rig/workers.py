@@ -39,7 +39,7 @@ class Workers:
 
     def __init__(self, rig: Rig, folder: Path, processes: int) -> None:
         path = folder / "scene.arrays"
-        head, places = _written((rig.setting, rig.lights), path)
+        head, places = _written((rig.setting, rig.settings, rig.lights), path)
         self._pool = ProcessPoolExecutor(
             processes, get_context("spawn"), initializer=_begin, initargs=(path, head, places)
         )

@@ -7,7 +7,7 @@ is. In a preset it may be a guess: half a noise pair a second from each pixel of
 from voltcam_simulator import Camera, Parameters
 
 from ..session import Session
-from .hypothesis import Hypothesis
+from .hypothesis import start_of
 from .robust import mean_huber
 from .spread import flat, spread_of
 from .state import Search
@@ -39,6 +39,6 @@ def without_excess(session: Session, search: Search) -> Camera | None:
 
 def _gap(search: Search, parameters: Parameters) -> float:
     """What is left of it in the training parts, base parameters fitted."""
-    hypothesis, settings = base_fitted(search, Hypothesis(parameters)), search.settings
+    hypothesis, settings = base_fitted(search, start_of(parameters, search.settings)), search.settings
     spread = spread_of(search.rig, hypothesis, settings.runs.rough_twins, settings)
-    return mean_huber(flat((search.data - spread.mean) / spread.sd))
+    return mean_huber(flat((search.data - spread.mean) / spread.sd), settings.huber_z)

@@ -22,7 +22,7 @@ class FitPoint:
 
 
 def fitted_by_simulation(
-    search: Search, hypothesis: Hypothesis, sd: Values, rounds: int = 1
+    search: Search, hypothesis: Hypothesis, sd: Values, rounds: int
 ) -> tuple[Hypothesis, Values]:
     """The hypothesis moved to the least gap in the training parts, in units of sd (PARTS, n), and the
     statistics that it gives on average.
@@ -36,7 +36,7 @@ def fitted_by_simulation(
         slopes = slopes_of(search.rig, best.hypothesis, settings.runs.slopes, settings)
         at_first, columns = best.gap, flat(slopes / sd[..., None])
         best = fit.resized(fit.descended(best, columns), columns)
-        if at_first - best.gap < 2 * settings.fit.least_gain:
+        if at_first - best.gap < settings.fit.least_round_gain:
             break
     return best.hypothesis, best.mean
 
@@ -49,15 +49,16 @@ class _Fit:
     def point(self, hypothesis: Hypothesis, move: NDArray[np.float64] | float = 0.0) -> FitPoint:
         moved = hypothesis.moved(move)
         mean = self.search.rig.means([moved.parameters()], self.search.settings.runs.fitting)[0]
-        return FitPoint(moved, mean, mean_huber(self.z(mean)))
+        return FitPoint(moved, mean, mean_huber(self.z(mean), self.search.settings.huber_z))
 
     def z(self, mean: Values) -> NDArray[np.float64]:
         return flat((self.search.data - mean) / self.sd)
 
     def amounts(self, z: Values, columns: NDArray[np.float64], at: FitPoint) -> NDArray[np.float64]:
         """Where straight lines have the first parameters, one for each column, for the least loss."""
-        prior_sd = at.hypothesis.prior_sd(self.search.settings)[: columns.shape[1]]
-        return robust_fit(z, columns, prior_sd).x
+        settings = self.search.settings
+        prior_sd = at.hypothesis.prior_sd(settings)[: columns.shape[1]]
+        return robust_fit(z, columns, prior_sd, settings.huber_z, settings.fit.reweightings).x
 
     def step(self, z: Values, columns: NDArray[np.float64], at: FitPoint) -> NDArray[np.float64]:
         """The same, no farther than a step may go."""

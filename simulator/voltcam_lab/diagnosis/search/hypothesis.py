@@ -1,7 +1,7 @@
 """What a camera may be: a camera file with effects added and parameters changed."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,23 +10,22 @@ from voltcam_simulator import Parameters
 
 from ...models.exact import K1_TO_K6
 from ..catalogue.candidate import Candidate, within_limits
-from .settings import SearchSettings
+from .settings import DEFAULTS, SearchSettings
 
 BASE = tuple(K1_TO_K6.values())
 """The base parameters: (effect, name) of each, the order of a hypothesis' `shift`."""
-SMALLEST_VALUE = {"k3": 1e-6, "k4_per_us": 5e-10, "k5_per_dn_us": 1e-12, "k6": 5e-7}
-"""Too little to show in a recording of seconds. A camera file may have less, or nothing. Then a fit begins
-here: of nothing, no multiple is anything."""
 
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
     """start: the camera file's parameters; accepted: effects added, each with the size at which its fit
-    began; shift: (6 + sizes,) logarithms of the change of base parameters and of these sizes."""
+    began; shift: (6 + sizes,) logarithms of the change of base parameters and of these sizes; smallest_base:
+    `Priors.smallest_base`."""
 
     start: Parameters
     accepted: tuple[tuple[Candidate, tuple[float, ...]], ...] = ()
     shift: tuple[float, ...] = (0.0,) * len(BASE)
+    smallest_base: Mapping[str, float] = field(default_factory=lambda: DEFAULTS.prior.smallest_base)
 
     def prior_sd(self, settings: SearchSettings) -> NDArray[np.float64]:
         """(k,) of `shift`."""
@@ -42,7 +41,7 @@ class Hypothesis:
             for (effect, name), log in zip(BASE, self.shift, strict=False)
             if name in settings.derivatives.sharp
             and abs(log) > settings.prior.other_camera_log
-            and getattr(getattr(self.start, effect), name) >= SMALLEST_VALUE.get(name, 0.0)
+            and getattr(getattr(self.start, effect), name) >= self.smallest_base.get(name, 0.0)
         }
 
     def off_prior(self, settings: SearchSettings) -> bool:
@@ -55,7 +54,7 @@ class Hypothesis:
         shift = self.shift if shift is None else shift
         changes: dict[str, dict[str, float]] = {}
         for (effect, name), log in zip(BASE, shift, strict=False):
-            value = max(getattr(getattr(self.start, effect), name), SMALLEST_VALUE.get(name, 0.0))
+            value = max(getattr(getattr(self.start, effect), name), self.smallest_base.get(name, 0.0))
             changes.setdefault(effect, {})[name] = float(value * np.exp(log))
         parameters = within_limits(self.start, changes)
         moved = replace(self, shift=tuple(shift))
@@ -95,3 +94,8 @@ class Hypothesis:
             accepted=self.accepted[:index] + self.accepted[index + 1 :],
             shift=self.shift[:place] + self.shift[place + length :],
         )
+
+
+def start_of(parameters: Parameters, settings: SearchSettings) -> Hypothesis:
+    """A camera file's parameters, where a search begins."""
+    return Hypothesis(parameters, smallest_base=settings.prior.smallest_base)

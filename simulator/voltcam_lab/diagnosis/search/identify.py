@@ -168,7 +168,7 @@ def _least_amount(screen: Screen, one: Signature, beyond: float) -> float | None
     low, high = np.log(screen.settings.reporting.amounts)
     if gain(float(np.exp(high))) < beyond:
         return None
-    while high - low > 0.05:
+    while high - low > screen.settings.reporting.amount_log_step:
         middle = (low + high) / 2
         low, high = (low, middle) if gain(float(np.exp(middle))) > beyond else (middle, high)
     return float(np.exp(high))

@@ -39,9 +39,10 @@ def precise(
     z = np.zeros(len(columns)) if data is None else flat((data - spread.mean) / spread.inflated_sd)
     fit = settings.fit
     found = robust_fit(
-        z, columns, prior_sd, fit.precise_rounds, fit.precise_longest_step, first_weight=np.ones(len(z))
-    )
-    weight, prior = huber_weight(found.rest), np.diag(prior_sd**-2.0)
+        z, columns, prior_sd, settings.huber_z, fit.precise_rounds, fit.precise_longest_step,
+        first_weight=np.ones(len(z)),
+    )  # fmt: skip
+    weight, prior = huber_weight(found.rest, settings.huber_z), np.diag(prior_sd**-2.0)
     inverse = np.linalg.inv(columns.T @ (columns * weight[:, None]) + prior)
     scores = [columns.T @ (weight * flat((twin - spread.mean) / spread.inflated_sd)) for twin in spread.twins]
     scattered = np.cov(np.transpose(scores)) * (1 + 1 / len(spread.twins))

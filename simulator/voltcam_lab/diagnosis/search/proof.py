@@ -21,8 +21,11 @@ def explains(settings: SearchSettings, before: SearchStep, after: SearchStep, fi
     removed = 1 - after.excess / max(before.excess, 1e-9)
     moved = np.abs(after.screen.spread.mean - before.screen.spread.mean) / before.screen.spread.sd
     own = flat(moved) > proof.moved
-    was, left = (float((huber(flat(step.rest)) - flat(step.chance))[own].sum()) for step in (before, after))
-    part = removed >= proof.least_share and after.excess <= 2 * proof.closed
+    was, left = (
+        float((huber(flat(step.rest), settings.huber_z) - flat(step.chance))[own].sum())
+        for step in (before, after)
+    )
+    part = removed >= proof.least_share and after.excess <= proof.part_closed
     alone = part and was > 0 and left <= (1 - proof.share) * was
     least = proof.closing_share if before is first else proof.least_share
     nearly_all = proof.share if after.excess <= proof.plain_excess else proof.plain_share

@@ -7,24 +7,20 @@ from numpy.typing import NDArray
 
 from ...statistics import Values
 
-HUBER_Z = 5.0
-"""z from which a deviation counts less than its square. It defines the gap, so no setting changes it.
-Convention: single statistics cannot dominate, and chance alone is all below."""
 
-
-def mean_huber(z: Values) -> float:
+def mean_huber(z: Values, huber_z: float) -> float:
     """The gap: mean pseudo-Huber loss of deviations z, about 0.5 for chance alone."""
-    return float(huber(z).mean())
+    return float(huber(z, huber_z).mean())
 
 
-def huber(z: Values) -> Values:
-    """z^2/2 for small z, HUBER_Z |z| for large ones."""
-    return HUBER_Z**2 * (np.sqrt(1 + (z / HUBER_Z) ** 2) - 1)
+def huber(z: Values, huber_z: float) -> Values:
+    """z^2/2 for small z, huber_z |z| for large ones."""
+    return huber_z**2 * (np.sqrt(1 + (z / huber_z) ** 2) - 1)
 
 
-def huber_weight(z: Values) -> Values:
+def huber_weight(z: Values, huber_z: float) -> Values:
     """The weights with which weighted squares have the same slope as the loss at z."""
-    weight: Values = 1 / np.sqrt(1 + (z / HUBER_Z) ** 2)
+    weight: Values = 1 / np.sqrt(1 + (z / huber_z) ** 2)
     return weight
 
 
@@ -39,8 +35,8 @@ class RobustFit:
 
 
 def robust_fit(
-    z: Values, columns: NDArray[np.float64], prior_sd: Values, rounds: int = 8, limit: float = np.inf,
-    first_weight: Values | None = None,
+    z: Values, columns: NDArray[np.float64], prior_sd: Values, huber_z: float, rounds: int,
+    limit: float = np.inf, first_weight: Values | None = None,
 ) -> RobustFit:  # fmt: skip
     """Amounts x of columns (n, k) that leave the least loss of z - columns x, with x ~ N(0, prior_sd^2).
 
@@ -48,14 +44,14 @@ def robust_fit(
     None: those of z.
     """
     x: Values = np.zeros(columns.shape[1])
-    before = float(huber(z).sum())
+    before = float(huber(z, huber_z).sum())
     ridge = np.diag(prior_sd**-2.0)
-    weight = huber_weight(z) if first_weight is None else first_weight
+    weight = huber_weight(z, huber_z) if first_weight is None else first_weight
     for _ in range(rounds):
         weighted = columns * weight[:, None]
         x = np.linalg.solve(columns.T @ weighted + ridge, weighted.T @ z).astype(np.float64)
         x = np.clip(x, -limit, limit)
-        weight = huber_weight(z - columns @ x)
+        weight = huber_weight(z - columns @ x, huber_z)
     rest = z - columns @ x
-    after = float(huber(rest).sum() + 0.5 * ((x / prior_sd) ** 2).sum())
+    after = float(huber(rest, huber_z).sum() + 0.5 * ((x / prior_sd) ** 2).sum())
     return RobustFit(x, before - after, rest)

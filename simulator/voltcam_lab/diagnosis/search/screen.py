@@ -7,11 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, gumbel_r
 
+from ...statistics import Values
 from ..catalogue.candidate import Candidate
 from ..rig.rig import Rig
 from .hypothesis import Hypothesis
 from .robust import RobustFit, robust_fit
-from .settings import ScoreTest, SearchSettings
+from .settings import SearchSettings
+from .settings_proof import ScoreTest
 from .spread import TwinSpread, flat
 
 
@@ -41,7 +43,7 @@ class Screen:
 
     def own(self, z: NDArray[np.float64]) -> RobustFit:
         """The part of training deviations z that the hypothesis' own parameters can take up."""
-        return robust_fit(z, flat(self.base), self.hypothesis.prior_sd(self.settings))
+        return self._fitted(z, flat(self.base), self.hypothesis.prior_sd(self.settings))
 
     def gains(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
         """(signatures,) by how much each lessens the loss of z, beyond what the hypothesis' own parameters
@@ -53,7 +55,10 @@ class Screen:
         """Amounts of the hypothesis' own parameters and, last, of an effect that fit z best."""
         columns = np.column_stack([flat(self.base), flat(one.column)])
         prior_sd = np.append(self.hypothesis.prior_sd(self.settings), self.settings.prior.amount_sd)
-        return robust_fit(z, columns, prior_sd)
+        return self._fitted(z, columns, prior_sd)
+
+    def _fitted(self, z: Values, columns: Values, prior_sd: Values) -> RobustFit:
+        return robust_fit(z, columns, prior_sd, self.settings.huber_z, self.settings.fit.reweightings)
 
     def p_value(self, gain: float) -> float:
         """How often twins, where nothing is missing, have as large a gain from anything in the catalogue."""

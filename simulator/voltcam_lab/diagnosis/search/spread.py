@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...statistics import FLOORS, Values
-from ..rig.lights import LIGHTS
 from ..rig.rig import Rig
 from .hypothesis import BASE, Hypothesis
 from .settings import SearchSettings
@@ -23,7 +22,8 @@ class TwinSpread:
     (PARTS, n, k) slopes of the mean with respect to the hypothesis' `shift`.
 
     sd: of twins and `model_variance`, the square of what a model is off by. inflated_sd: sd and a share of
-    what the effects in the model do; more effects are looked for in its units.
+    what the effects in the model do; more effects are looked for in its units. versions: of the light, seen
+    by one twin after the other.
     """
 
     mean: Values
@@ -32,6 +32,7 @@ class TwinSpread:
     inflated_sd: Values
     twins: list[Values]
     slopes: NDArray[np.float64]
+    versions: int
 
     @property
     def columns(self) -> NDArray[np.float64]:
@@ -45,7 +46,7 @@ class TwinSpread:
         found = []
         for n, twin in enumerate(self.twins):
             mean, variance = _mean_and_variance(
-                [other for k, other in enumerate(self.twins) if (k - n) % len(LIGHTS)]
+                [other for k, other in enumerate(self.twins) if (k - n) % self.versions]
             )
             found.append((twin - mean) / np.sqrt(variance + self.model_variance))
         return found
@@ -62,7 +63,8 @@ def spread_of(rig: Rig, hypothesis: Hypothesis, seeds: Sequence[int], settings: 
     model_variance = (error.statistic_share * mean) ** 2 + of_base
     of_effects = error.effect_share**2 * (effects**2).sum(axis=-1)
     inflated_sd = np.sqrt(variance + model_variance + of_effects)
-    return TwinSpread(mean, np.sqrt(variance + model_variance), model_variance, inflated_sd, twins, slopes)
+    sd = np.sqrt(variance + model_variance)
+    return TwinSpread(mean, sd, model_variance, inflated_sd, twins, slopes, rig.versions)
 
 
 def _mean_and_variance(twins: list[Values]) -> tuple[Values, Values]:

@@ -49,12 +49,14 @@ def base_fitted(search: Search, hypothesis: Hypothesis) -> Hypothesis:
     From the file of another camera the way is long, and at first anything that lowers the gap is taken along.
     Noise and the leak in the dark show only where the rest is right: they start from the file once more.
     """
-    fit = _base_refitted(search, _base_refitted(search, hypothesis, rounds=1), rounds=3)
-    if not fit.off_prior(search.settings):
+    settings = search.settings
+    rough = _base_refitted(search, hypothesis, settings.fit.rough_rounds)
+    fit = _base_refitted(search, rough, settings.fit.base_rounds)
+    if not fit.off_prior(settings):
         return fit
-    sharp = search.settings.derivatives.sharp
+    sharp = settings.derivatives.sharp
     near = np.where([name in sharp for _, name in BASE], fit.shift, hypothesis.shift)
-    return _base_refitted(search, replace(hypothesis, shift=tuple(near.tolist())), rounds=3)
+    return _base_refitted(search, replace(hypothesis, shift=tuple(near.tolist())), settings.fit.base_rounds)
 
 
 def _base_refitted(search: Search, hypothesis: Hypothesis, rounds: int) -> Hypothesis:
@@ -80,21 +82,21 @@ def step_of(
     rest = left * (spread.inflated_sd / spread.sd)
     scores = screen.gains(flat(deviation))
     p_value = screen.p_value(float(scores.max()))
-    training = mean_huber(flat(rest))
+    training, held_out = (mean_huber(flat(rest, parts), settings.huber_z) for parts in (TRAINING, HELD_OUT))
     test = settings.score_test
     least = test.least_gain if first is None else max(
         test.least_gain, test.least_gain_share * flat(rest).size * (first.training - training)
     )  # fmt: skip
-    limit = (test.alpha, least / 2) if first is None else (test.next_alpha, least)
+    limit = (test.alpha, test.tried_share * least) if first is None else (test.next_alpha, least)
     chosen: list[int] = []
     if p_value <= limit[0] and scores.max() > limit[1]:
         chosen = _chosen(search, screen, candidates, scores, training)
-    chance = np.mean([huber(z) for z in spread.left_out], axis=0)
+    chance = np.mean([huber(z, settings.huber_z) for z in spread.left_out], axis=0)
     floor_training, floor_held_out = (float(flat(chance, parts).mean()) for parts in (TRAINING, HELD_OUT))
     bench = TrialBench(search, screen, left, floor_training + settings.trials.at_chance)
     return SearchStep(
-        hypothesis, screen, rest, chance, training, mean_huber(flat(rest, HELD_OUT)), floor_training,
-        floor_held_out, scores, p_value, least, _trials(bench, chosen, scores),
+        hypothesis, screen, rest, chance, training, held_out, floor_training, floor_held_out,
+        scores, p_value, least, _trials(bench, chosen, scores),
     )  # fmt: skip
 
 
@@ -148,7 +150,9 @@ def _nearest_from_file(search: Search, screen: Screen, training: float) -> list[
         [one.candidate.on(start.parameters(), one.size) for one in screen.signatures],
         settings.runs.signatures,
     )
-    left = np.array([mean_huber(flat((search.data - mean) / screen.spread.sd)) for mean in means])
+    left = np.array(
+        [mean_huber(flat((search.data - mean) / screen.spread.sd), settings.huber_z) for mean in means]
+    )
     return _best(screen, np.maximum(training - left, 0), settings.trials.most_from_file)
 
 

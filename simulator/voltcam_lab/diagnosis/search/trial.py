@@ -54,23 +54,23 @@ class TrialBench:
         one, sd, hypothesis = (
             self.screen.signatures[index], self.screen.spread.inflated_sd, self.screen.hypothesis
         )  # fmt: skip
-        trials = self.search.settings.trials
+        trials, huber_z = self.search.settings.trials, self.search.settings.huber_z
         z = flat((self.search.data - self.screen.spread.mean) / sd)
         amounts = self.screen.with_effect(z, one).x
         size = one.candidate.scaled(one.size, float(np.clip(amounts[-1], *trials.amount_limits)))
         move = np.clip(amounts[:-1], -trials.base_limit, trials.base_limit)
         starts = [hypothesis.moved(move).with_effect(one.candidate, size)]
-        if mean_huber(z) > trials.large_gap:
+        if mean_huber(z, huber_z) > trials.large_gap:
             starts += [
                 hypothesis.with_base_of_file().with_effect(one.candidate, size),
                 *self._from_file(one.candidate),
             ]
             starts += [self._followed(one, z, amount) for amount in trials.amounts]
-        trial = self.judged(one.candidate, self._nearest(starts), score)
+        trial = self.judged(one.candidate, self._nearest(starts), score, trials.rounds)
         if not hypothesis.off_prior(self.search.settings):
             return trial
         start = self._nearest(self._from_file(one.candidate))
-        return max(trial, self.judged(one.candidate, start, score), key=_gained)
+        return max(trial, self.judged(one.candidate, start, score, trials.rounds), key=_gained)
 
     def _followed(self, one: Signature, z: NDArray[np.float64], amount: float) -> Hypothesis:
         """The hypothesis with so much of a signature, its own parameters where they leave the least loss
@@ -80,7 +80,7 @@ class TrialBench:
         moved = self.screen.hypothesis.moved(move)
         return moved.with_effect(one.candidate, one.candidate.scaled(one.size, amount))
 
-    def judged(self, candidate: Candidate, start: Hypothesis, score: float, rounds: int = 1) -> Trial:
+    def judged(self, candidate: Candidate, start: Hypothesis, score: float, rounds: int) -> Trial:
         """An effect fitted from `start` on.
 
         Few hot pixels scatter more than all twins without any: where an effect brings a scatter of its own,
@@ -88,7 +88,7 @@ class TrialBench:
         else the widest would explain most.
         """
         search, spread, trials = self.search, self.screen.spread, self.search.settings.trials
-        sd = spread.inflated_sd
+        sd, huber_z = spread.inflated_sd, search.settings.huber_z
         hypothesis, mean = fitted_by_simulation(search, start, sd, rounds)
         rough = search.rig.runs([hypothesis.parameters()], search.settings.runs.rough_twins)[0]
         scatter = rough.std(axis=0, ddof=1)
@@ -97,13 +97,15 @@ class TrialBench:
             hypothesis, mean = fitted_by_simulation(search, hypothesis, wide, rounds)
         after, wider = search.data - mean, np.log(wide / sd)
         gained, confirmed = (
-            mean_huber(flat(self.rest, parts))
-            - mean_huber(flat(after / wide, parts))
+            mean_huber(flat(self.rest, parts), huber_z)
+            - mean_huber(flat(after / wide, parts), huber_z)
             - float(flat(wider, parts).mean())
             for parts in (TRAINING, HELD_OUT)
         )
         not_inflated = np.where(scatter > trials.scatter * sd, scatter, spread.sd)
-        training, held_out = (mean_huber(flat(after / not_inflated, parts)) for parts in (TRAINING, HELD_OUT))
+        training, held_out = (
+            mean_huber(flat(after / not_inflated, parts), huber_z) for parts in (TRAINING, HELD_OUT)
+        )
         return Trial(candidate, hypothesis, mean, score, training, held_out, gained, confirmed)
 
     def again(self, trial: Trial) -> Trial:
@@ -111,7 +113,9 @@ class TrialBench:
         better: either may stop in a valley of its own."""
         if trial.training <= self.at_chance:
             return trial
-        return max(trial, self.judged(trial.candidate, self._start(trial), trial.score), key=_gained)
+        rounds = self.search.settings.trials.rounds
+        other = self.judged(trial.candidate, self._start(trial), trial.score, rounds)
+        return max(trial, other, key=_gained)
 
     def finished(self, best: Trial) -> Trial:
         """The trial fitted to the end: from where it is, again from the nearest size, and from the camera
@@ -136,7 +140,7 @@ class TrialBench:
         search = self.search
         means = search.rig.means([start.parameters() for start in starts], search.settings.runs.fitting)
         z = [flat((search.data - mean) / self.screen.spread.inflated_sd) for mean in means]
-        return starts[int(np.argmin([mean_huber(one) for one in z]))]
+        return starts[int(np.argmin([mean_huber(one, search.settings.huber_z) for one in z]))]
 
     def _start(self, trial: Trial) -> Hypothesis:
         one, found = trial.candidate, trial.hypothesis.sizes()[-1]

@@ -6,7 +6,8 @@ from voltcam_simulator import Parameters
 
 from ..catalogue.candidate import Candidate
 from .hypothesis import Hypothesis
-from .settings import OpenRoute, SearchSettings
+from .settings import SearchSettings
+from .settings_proof import OpenRoute
 from .state import Search
 from .step import SearchStep, step_of
 from .trial import Trial

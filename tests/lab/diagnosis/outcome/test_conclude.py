@@ -19,7 +19,9 @@ from ..made_steps import N, step, trial
 
 def view(held_out: float) -> View:
     before = step(4.0)
-    return View(before.hypothesis, before.screen.spread, np.zeros((PARTS, N)), held_out, 0.5, 0.0)
+    return View(
+        before.hypothesis, before.screen.spread, np.zeros((PARTS, N)), held_out, 0.5, 0.0, DEFAULTS.huber_z
+    )
 
 
 BEFORE, AFTER = view(4.5), view(0.6)

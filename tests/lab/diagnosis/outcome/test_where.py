@@ -7,6 +7,7 @@ from scipy.stats import t
 from voltcam_lab.diagnosis.outcome.where import View, gaps_by_group, label_in_words, numbers, ranked
 from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
 from voltcam_lab.diagnosis.search.robust import mean_huber
+from voltcam_lab.diagnosis.search.settings import DEFAULTS
 from voltcam_lab.diagnosis.search.spread import TwinSpread
 from voltcam_lab.statistics import COUNTS, FLOORS, LABELS, PARTS, Label, Values
 
@@ -25,8 +26,8 @@ def view(model_error: float = 0.0) -> View:
     rng = np.random.default_rng(1)
     twins = [drawn(rng) for _ in range(TWINS)]
     mean, sd = np.mean(twins, axis=0), np.broadcast_to(SD, (PARTS, N))
-    spread = TwinSpread(mean, sd, np.zeros((PARTS, N)), sd, twins, np.zeros((PARTS, N, 1)))
-    return View(Hypothesis(START), spread, mean, 1.0, 0.5, model_error)
+    spread = TwinSpread(mean, sd, np.zeros((PARTS, N)), sd, twins, np.zeros((PARTS, N, 1)), 4)
+    return View(Hypothesis(START), spread, mean, 1.0, 0.5, model_error, DEFAULTS.huber_z)
 
 
 MODEL = view()
@@ -91,7 +92,9 @@ def test_each_group_has_its_own_gap_of_the_held_out_part() -> None:
     gaps = gaps_by_group(MODEL, data)
     assert list(gaps) == list("ABCDEFGHIJ")
     for letter, (gap, chance) in gaps.items():
-        assert gap == pytest.approx(mean_huber(np.array([4.0])) if letter == "E" else 0, abs=1e-9)
+        assert gap == pytest.approx(
+            mean_huber(np.array([4.0]), DEFAULTS.huber_z) if letter == "E" else 0, abs=1e-9
+        )
         assert 0.3 < chance < 0.9
 
 

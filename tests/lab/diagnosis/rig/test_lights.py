@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.diagnosis.rig.lights import LIGHTS, light_behind
+from voltcam_lab.diagnosis.rig.lights import light_behind
+from voltcam_lab.diagnosis.rig.settings import DEFAULT_RIG
 from voltcam_lab.light.scene import scene_of
 from voltcam_video import Upsampling
 
@@ -17,10 +18,10 @@ def frames() -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("how", ["cubic", "auto"])
-@pytest.mark.parametrize("version", range(len(LIGHTS)))
+@pytest.mark.parametrize("version", range(len(DEFAULT_RIG.lights)))
 def test_at_each_frame_it_is_the_frame(version: int, how: Upsampling) -> None:
     taken, t_us = frames()
-    shown = {t: image for image, t in light_behind(scene_of(taken, t_us, how), version)}
+    shown = {t: image for image, t in light_behind(scene_of(taken, t_us, how), version, DEFAULT_RIG)}
     for image, t in zip(taken, t_us.tolist(), strict=True):
         assert shown[t] == pytest.approx(image, abs=1e-3)
 
@@ -28,7 +29,7 @@ def test_at_each_frame_it_is_the_frame(version: int, how: Upsampling) -> None:
 def test_versions_differ_where_light_moves_and_only_there() -> None:
     taken, t_us = frames()
     scene = scene_of(taken, t_us, "cubic")
-    first, second = (np.stack([image for image, _ in light_behind(scene, k)]) for k in (0, 1))
+    first, second = (np.stack([image for image, _ in light_behind(scene, k, DEFAULT_RIG)]) for k in (0, 1))
     assert first[:, :, :4] == pytest.approx(np.full_like(first[:, :, :4], 42), abs=1e-3)
     assert second[:, :, :4] == pytest.approx(np.full_like(first[:, :, :4], 42), abs=1e-3)
     assert np.abs(first - second)[:, :, 4:].max() > 1

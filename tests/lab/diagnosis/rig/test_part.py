@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from voltcam_lab.diagnosis.rig.part import cut, sample
+from voltcam_lab.diagnosis.rig.settings import DEFAULT_RECORDING, RecordingSettings
 from voltcam_lab.recordings import Footage
 from voltcam_simulator import Camera
 
@@ -15,7 +16,7 @@ PAPER = Camera.load("paper")
 def test_a_camera_that_gives_no_events_yet_is_not_silent(tiny: Footage) -> None:
     t_us = tiny.events["t"]
     for kept in (t_us > 500_000, t_us < 1_500_000):
-        part = cut(replace(tiny, events=tiny.events[kept]), 10)
+        part = cut(replace(tiny, events=tiny.events[kept]), DEFAULT_RECORDING)
         assert part.frame_t_us is not None
         assert part.frames is not None
         assert len(part.frames) == len(part.frame_t_us)
@@ -31,19 +32,19 @@ def test_of_a_camera_that_takes_many_steps_less_is_looked_at(
 ) -> None:
     """A lamp of 1 kHz has the simulator stop every 62 us: 24 million steps of a pixel in 2 s."""
     fast = PAPER.parameters.changed({"flicker": {"frequency_hz": lamp_hz, "depth": 0.1}})
-    assert len(sample(tiny, 10**9, fast.longest_step_us)) == columns
+    assert len(sample(tiny, RecordingSettings(most_samples=10**9), fast.longest_step_us)) == columns
 
 
 def test_strips_are_where_most_and_where_little_changes(tiny: Footage) -> None:
     frames = np.full((20, 24, 32), 100, np.uint8)
     frames[::2, :, 8:14] = 50
-    columns = sample(replace(tiny, frames=frames), 20 * 24 * 12)
+    columns = sample(replace(tiny, frames=frames), RecordingSettings(most_samples=20 * 24 * 12))
     assert set(range(8, 12)) < set(columns.tolist())
     assert len(set(columns.tolist()) - set(range(6, 18))) == 6
 
 
 def test_cut_leaves_events_and_frames_of_the_same_time(tiny: Footage) -> None:
-    part = cut(tiny, 0.5)
+    part = cut(tiny, RecordingSettings(seconds=0.5))
     assert part.frame_t_us is not None
     assert part.frames is not None
     assert len(part.frames) == len(part.frame_t_us) == 101

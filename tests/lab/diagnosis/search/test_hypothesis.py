@@ -5,8 +5,9 @@ import pytest
 
 from voltcam_lab.diagnosis.catalogue.candidate import Candidate
 from voltcam_lab.diagnosis.catalogue.entries import catalogue
-from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
-from voltcam_lab.diagnosis.search.settings import DEFAULTS
+from voltcam_lab.diagnosis.search.hypothesis import Hypothesis, start_of
+from voltcam_lab.diagnosis.search.settings import DEFAULTS, SearchSettings
+from voltcam_lab.diagnosis.search.settings_fit import Priors
 from voltcam_simulator import Parameters
 
 from ..made_rig import START, made_clues
@@ -46,3 +47,9 @@ def test_a_fit_far_off_meets_the_limits_and_not_an_error(candidate: Candidate, l
     parameters = model.parameters([log] * len(model.shift))
     assert parameters == Parameters.model_validate(parameters.model_dump())
     assert (parameters.contrast_response.k2_dn == 10_000) == (log > 0)
+
+
+def test_a_search_begins_at_the_smallest_values_of_its_settings() -> None:
+    dry = Parameters.of("paper").changed({"junction_leak": {"k4_per_us": 0}})
+    settings = SearchSettings(prior=Priors(smallest_base={"k4_per_us": 3e-9}))
+    assert start_of(dry, settings).parameters().junction_leak.k4_per_us == 3e-9

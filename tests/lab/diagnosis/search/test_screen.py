@@ -16,7 +16,7 @@ LIGHT_GAIN = DEFAULTS.score_test.light_gain
 def screen(gains: np.ndarray) -> Screen:
     """One whose twins gain that."""
     none = np.zeros((4, 1))
-    spread = TwinSpread(none, none, none, none, [none] * len(gains), none[..., None])
+    spread = TwinSpread(none, none, none, none, [none] * len(gains), none[..., None], 4)
     null = np.add.outer(gains, light_gains(DEFAULTS.score_test)).ravel()
     return Screen(Hypothesis(Parameters()), spread, none[..., None], (), null, DEFAULTS)
 

@@ -32,9 +32,9 @@ def test_chance_leaves_of_a_twin_that_is_left_out_what_it_leaves_of_a_new_one() 
     spread that it has a part in, a twin's loss is 10 % too low."""
     rig = MadeRig(lambda _: np.zeros_like(PATTERNS[0]))
     spread = spread_of(rig, Hypothesis(START), DEFAULTS.runs.twins, DEFAULTS)
-    new = [huber((rig.noise(seed) - spread.mean) / spread.sd).mean() for seed in range(100)]
+    new = [huber((rig.noise(seed) - spread.mean) / spread.sd, DEFAULTS.huber_z).mean() for seed in range(100)]
     left_out, within = (
-        np.mean([huber(z).mean() for z in zs])
+        np.mean([huber(z, DEFAULTS.huber_z).mean() for z in zs])
         for zs in (spread.left_out, [(twin - spread.mean) / spread.sd for twin in spread.twins])
     )
     assert left_out == pytest.approx(np.mean(new), rel=0.05)

@@ -9,7 +9,8 @@ from voltcam_lab.diagnosis.catalogue.candidate import Candidate
 from voltcam_lab.diagnosis.search import unlisted
 from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
 from voltcam_lab.diagnosis.search.screen import Screen, Signature
-from voltcam_lab.diagnosis.search.settings import DEFAULTS, OpenRoute
+from voltcam_lab.diagnosis.search.settings import DEFAULTS
+from voltcam_lab.diagnosis.search.settings_proof import OpenRoute
 from voltcam_lab.diagnosis.search.spread import TwinSpread
 from voltcam_lab.diagnosis.search.step import SearchStep
 from voltcam_lab.diagnosis.search.trial import Trial
@@ -94,7 +95,7 @@ def test_forms_that_do_as_well_are_named_each_once_and_the_best_one_not() -> Non
     signatures = tuple(Signature(one, one.sizes[0], NONE) for one in (best, same, *others, *others))
     tied = DEFAULTS.proof.tied
     scores = np.full(len(signatures), 100.0)
-    spread = TwinSpread(NONE, NONE, NONE, NONE, [], NONE[..., None])
+    spread = TwinSpread(NONE, NONE, NONE, NONE, [], NONE[..., None], 4)
     screen = Screen(Hypothesis(start), spread, NONE[..., None], signatures, np.zeros(0), DEFAULTS)
     step = SearchStep(Hypothesis(start), screen, NONE, NONE, 1, 1, 0, 0, scores, 0.0, 30.0, ())
     names = unlisted.tied_forms(DEFAULTS, step, trial(best, best.sizes[0][0]))

@@ -1,0 +1,57 @@
+"""The numbers by which a recording is made ready and cameras are simulated on its light.
+
+They are part of the settings of a search (`search/settings.py`), and have its sources. They are here because
+a session and its rig come before any search.
+"""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class RecordingSettings:
+    """What of a recording is looked at, and which recordings are refused."""
+
+    seconds: float = 10.0
+    """Length of what is looked at, from where events begin [s]. Convention: time."""
+    most_samples: int = 3_500_000
+    """Pixels times frames, of more only strips. Convention: 60 x 60 pixels for 10 s at 100 frames/s."""
+    most_events: int = 200_000
+    """Events, of more only strips. Convention: time."""
+    most_steps: int = 15_000_000
+    """Pixels times steps that effects of the camera file ask the simulator for. Convention: time."""
+    narrowest_strip: int = 6
+    """Columns of each of the two strips, at least. Convention: neighbours within."""
+    compared_frames: int = 50
+    """Frames, about so many, that tell where light changes. Convention: time."""
+    longest_silence_us: int = 100_000
+    """Time without events at an end of a recording: longer, it is none of the camera's. Convention."""
+    fewest_frames: int = 10
+    """Frames, else a recording is refused. Convention."""
+    fewest_events: int = 50
+    """Events where light is known, else a recording is refused. Convention."""
+    longest_wait_us: int = 100_000
+    """Lateness of all events by which they may queue before a slow readout. Longer, it is another clock.
+    Convention."""
+    noisy_dn2: float = 0.15
+    """Variance of what is in one frame only, above which frames are calmed [DN^2]. Convention: nearly twice
+    the 1/12 of rounding."""
+
+
+@dataclass(frozen=True)
+class RigSettings:
+    """Light, and time before and after a recording, in simulated runs."""
+
+    lights: tuple[tuple[float, float], ...] = ((0.0, 0.4), (-0.3, 0.55), (0.15, 0.4), (-0.15, 0.55))
+    """Versions of the light between frames that a cubic tells; a power of two of them. Of each, how much more
+    it bends than `Scene.images` (-1 is straight), and a random error as a share of `Scene.surprise`, the
+    error that left-out frames show. What frames leave open must not look like a gap. Development: about what
+    recordings without an effect ask for."""
+    moved_lights: tuple[tuple[float, float], ...] = ((0.0, 0.4), (-0.6, 0.6), (0.3, 0.4), (-0.3, 0.6))
+    """As many versions of the light where motion had to be guessed. Development."""
+    lead_in_us: int = 300_000
+    """Time for which a camera has been there before it records: light that flickers, queues. Convention."""
+    lead_out_us: int = 100_000
+    """Time for which it goes on, for events that are late. Convention."""
+
+
+DEFAULT_RECORDING, DEFAULT_RIG = RecordingSettings(), RigSettings()

@@ -1,0 +1,160 @@
+"""Settings of what is tried, named and reported. Units and sources are as in `settings.py`."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class ScoreTest:
+    """Which signatures of the catalogue are in the gap, and whether by more than chance."""
+
+    alpha: float = 0.01
+    """Chance of a name where nothing is missing, over the whole catalogue. Convention."""
+    next_alpha: float = 1e-4
+    """The same for each further effect. Development: an effect in the model has not quite the form of the
+    one in the camera, and what that leaves is like another effect."""
+    least_gain: float = 30.0
+    """Training loss that an effect must explain. Development: the light between frames gains nearly that."""
+    least_gain_share: float = 0.01
+    """The same for a further effect, as a share of the training loss explained so far. Development."""
+    tried_share: float = 0.5
+    """Share of `least_gain` that a score must have for the first effects to be tried. Convention: a straight
+    line may tell half of what a fit does."""
+    light_gain: float = 6.0
+    """Mean training loss by which twins gain less than a recording does: frames leave the recording's light
+    open. It is spread as the square of a normal error. Development: recordings without an effect."""
+    light_quantiles: int = 28
+    """Quantiles of that distribution which are added to each twin's gain. Convention."""
+
+
+@dataclass(frozen=True)
+class Trials:
+    """Which effects are fitted by simulation, and from where."""
+
+    most: int = 3
+    """Effects that are tried for their score. Convention: time."""
+    least_score: float = 0.25
+    """An effect of a smaller share of the best score is not tried. Convention."""
+    most_from_file: int = 2
+    """Effects that are tried besides, as nearest from the camera file. Convention: time."""
+    far_gap: float = 2.0
+    """Gap from which the score test alone says little. Convention: eight times what chance leaves."""
+    large_gap: float = 1.0
+    """Gap from which a fit begins at several places. Convention: four times what chance leaves."""
+    amounts: tuple[float, ...] = (0.4, 1.0, 2.5)
+    """Amounts of a signature from which a fit then begins, base parameters following. Convention."""
+    file_amounts: tuple[float, ...] = (1, 2.5)
+    """Amounts of each size tried, from which a fit begins on the camera file's base. Convention."""
+    amount_limits: tuple[float, float] = (0.03, 3)
+    """Limits of the amount that the score test gives a fit to begin with. Convention."""
+    base_limit: float = 0.5
+    """Limit of the change of base parameters that goes with it [log]. Convention."""
+    scatter: float = 2.0
+    """An effect whose runs scatter by this many times the sd without it brings a scatter of its own.
+    Development: a few hot pixels differ more from run to run than all twins without any."""
+    scattered_share: float = 0.02
+    """Share of the statistics with such a scatter, from which a fit is repeated in its units. Convention."""
+    nearly_best: float = 0.7
+    """An effect that removes this share of what the best one does is fitted a second time. Convention."""
+    at_chance: float = 0.1
+    """Excess: an effect that leaves no more needs no second fit. Convention."""
+    rounds: int = 1
+    """Sets of derivatives in all fits of an effect but the last. Convention: time."""
+    last_rounds: int = 3
+    """Sets of derivatives in the last fit of the best effect. Convention."""
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What an effect must explain to be named, as shares of the excess that it was found at."""
+
+    closed: float = 0.25
+    """Excess that an explanation may leave. Development: what the light between frames leaves open."""
+    left_behind: float = 0.04
+    """Share of the excess explained so far that may be left besides. Development: effects have another
+    form in the camera."""
+    closing_share: float = 0.6
+    """Share that the first effect must remove where it closes the gap. Development: a small gap is soon
+    closed by half."""
+    least_share: float = 0.3
+    """The same for a further effect, and for one that removes `share` of it in the statistics it moves.
+    Development."""
+    share: float = 0.8
+    """Share with which an effect is named though not all is explained. Development."""
+    part_closed: float = 0.5
+    """Excess that it may leave then. Convention: twice `closed`."""
+    plain_excess: float = 1.0
+    """Excess that is plain to see. Convention: four times what chance leaves. Development: an effect of
+    another form leaves less."""
+    plain_share: float = 0.9
+    """Instead of `share` where more than `plain_excess` is left. Development: what has no name may look like
+    an effect."""
+    distinct_share: float = 0.75
+    """Instead of `share` for the first effect where no other removes `others_share`. Development."""
+    others_share: float = 0.25
+    """See `distinct_share`. Development: what stands in for something without a name is seldom alone."""
+    together_share: float = 0.9
+    """Share that several effects must remove together, none of which is enough alone. Development."""
+    last_share: float = 0.5
+    """Share of the excess before it that the last of these must remove. Development."""
+    moved: float = 2.0
+    """z by which an effect changes a statistic that counts as moved by it. Convention."""
+    held_out_share: float = 0.3
+    """Share of the training gain that held-out data must confirm. Convention."""
+    held_out_possible: float = 0.5
+    """Least share of the training gain that held-out data could confirm: of a few hot pixels they may have
+    less than the training parts. Development."""
+    strongest: float = 20.0
+    """Times the largest size that is looked for: a stronger effect is not named. Development: nearly all
+    pixels dead would explain any camera file with too much noise."""
+    part_share: float = 0.25
+    """An effect that removes less is no part of an explanation. Development: to go on from less takes most
+    of the time and ends in "unknown" all the same."""
+    few_runs: float = 0.1
+    """Gap by which a trial, seen in a few runs, may be too large. Development."""
+    unnamed: float = 0.15
+    """Excess above which what effects leave is held against drifts and noises without a name. Development."""
+    tied: float = 15.0
+    """Training loss: effects that differ by less are not told apart. Development."""
+    tied_per_distance: float = 2.0
+    """Training loss added to `tied` for each z of distance between what two effects do. Of two models at a
+    distance d the true one has the lesser loss by d^2/2, give or take d: two standard deviations."""
+
+
+@dataclass(frozen=True)
+class OpenRoute:
+    """Drifts and noises without a name that are tried on a gap no effect explains."""
+
+    powers: tuple[float, ...] = (-2.0, -1.0, -0.5, 0.0, 0.5, 1.0)
+    """Powers of brightness. Convention."""
+    steepness: float = 8.0
+    """Growth over the image relative to the drift in its middle. Convention: nearly no drift there."""
+    leaks: tuple[float, ...] = (0.25, 2.0)
+    """Sizes of drifts, in leaks at 128 DN. Development: a small one slows the leak, a large one turns it
+    round, and neither is the other's multiple."""
+    noise_variance: float = 4.0
+    """Size of noises, in variances of the noise at 128 DN. Convention."""
+
+
+@dataclass(frozen=True)
+class Reporting:
+    """What is said of a search; no verdict depends on it."""
+
+    mixed: float = 0.6
+    """Correlation from which two base parameters are said to be mixed up. Convention."""
+    fixed: float = 0.9
+    """Share of the prior's variance that must go for a base parameter to be "fixed". Convention."""
+    partly_fixed: float = 0.5
+    """The same for "in part". Convention."""
+    amounts: tuple[float, float] = (1e-3, 30.0)
+    """Least and largest amount of a size at which the smallest detectable one is looked for. Convention."""
+    amount_log_step: float = 0.05
+    """Width of the interval in which that one is in the end [log]. Convention."""
+    systematic_log_sd: float = 0.16
+    """sd of the log of a size for its form and the light, beside that of twins. Measured: of 23 sizes of the
+    generator's development recordings 90 % intervals then hold 21, and 16 with 0.1."""
+    fewest_strata: int = 5
+    """Statistics that are listed at least, also where none is beyond chance. Convention."""
+    most_strata: int = 50
+    """Statistics that are listed at most. Convention."""
+    false_discoveries: float = 0.1
+    """False discovery rate of the listed statistics. Convention."""
