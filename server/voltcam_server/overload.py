@@ -8,6 +8,8 @@ from pydantic import BaseModel, ConfigDict, Field
 MOST_STEPS = 512
 MOST_PIXEL_STEPS = 30e6  # about a second of one core
 RECENT_S = 2.0
+TOO_FAST = "frames come faster than they are simulated, and some are dropped"
+BUSY = "frames are dropped while this machine is busy with something else: close other programs"
 
 
 class OverloadSettings(BaseModel):
@@ -47,16 +49,22 @@ class Load:
 
     def __init__(self) -> None:
         self._ratio = 0.0
+        self._periods = 0.0
         self._trouble = ("", -math.inf)
 
-    def worked(self, took_s: float, period_us: float) -> None:
-        """An interval has been simulated, of a source whose frames come so far apart."""
-        now = 1e6 * took_s / max(period_us, 1.0)
-        self._ratio += 0.2 * (now - self._ratio) if self._ratio else now
+    def worked(self, took_s: float, span_us: float, missed: int = 0) -> None:
+        """An interval has been simulated, within which so many frames were dropped."""
+        now = 1e6 * took_s / max(span_us, 1.0)
+        self._ratio = _recent(self._ratio, now)
+        self._periods = _recent(self._periods, now * (1 + missed))
 
     def skipped(self, why: str) -> None:
         """Something was left out just now."""
         self._trouble = (why, time.monotonic())
+
+    def dropped(self) -> None:
+        """Frames were left out just now, for want of time."""
+        self.skipped(TOO_FAST if self._periods > 1 else BUSY)
 
     @property
     def ratio(self) -> float:
@@ -68,3 +76,8 @@ class Load:
         """Why something was left out in the last seconds; empty when nothing was."""
         why, at_s = self._trouble
         return why if time.monotonic() - at_s < RECENT_S else ""
+
+
+def _recent(before: float, now: float) -> float:
+    """The mean of the last few; before: 0, there was none."""
+    return before + 0.2 * (now - before) if before else now

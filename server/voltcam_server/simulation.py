@@ -23,7 +23,7 @@ from .camera_settings import Upsample
 from .compiling import CompiledEffects
 from .interval import How, Interval, SimulationSetup, Start
 from .mailbox import Arrival
-from .overload import Load, OverloadSettings, coarser
+from .overload import TOO_FAST, Load, OverloadSettings, coarser
 from .parameter_changes import ParameterChanges
 from .problems import one_line
 
@@ -132,7 +132,7 @@ class Simulation:
             if cut:
                 return self._cut(image, arrival)
             if arrival.missed:
-                self.load.skipped("frames come faster than they are simulated")
+                self.load.dropped()
             why = self._too_much(span_us, arrival.missed)
             if why:
                 return self._skip(image, t_us, span_us, arrival, why)
@@ -169,7 +169,7 @@ class Simulation:
             coarser = self._coarser(span_us, arrival.missed)
             all_events = self._events(steps, coarser)
         finally:
-            self.load.worked(time.monotonic() - began_s, span_us)
+            self.load.worked(time.monotonic() - began_s, span_us, arrival.missed)
         self._period_us = span_us // (1 + arrival.missed)
         self.simulated += 1
         return self._done(all_events, start_us, frame, arrival, "advanced", coarser)
@@ -194,7 +194,7 @@ class Simulation:
         """Why an interval is not simulated; empty when it is."""
         longest_us = self._overload.longest_interval_us
         if missed >= MISSED_AT_LEAST and (1 + missed) * self.load.ratio > MOST_PERIODS:
-            return "frames come faster than they are simulated"
+            return TOO_FAST
         if span_us > longest_us:
             return f"{span_us / 1e6:.3g} s between two frames, more than overload.longest_interval_us allows"
         return ""

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from voltcam_server.emulator import Emulator
-from voltcam_server.overload import MOST_STEPS, OverloadSettings, coarser
+from voltcam_server.overload import BUSY, MOST_STEPS, TOO_FAST, OverloadSettings, coarser
 from voltcam_server.simulation import Simulation
 from voltcam_simulator import Camera, Limits, Parameters, Simulator
 from voltcam_video import SourceRequest
@@ -84,6 +84,20 @@ def test_what_a_fast_machine_was_late_for_is_not_skipped() -> None:
     simulator.advance(images[0], 0)
     np.testing.assert_array_equal(step.events, simulator.advance(images[4], 40_000, Limits(4)))
     assert simulation.skipped == 0
+
+
+@pytest.mark.parametrize(("took_s", "said"), [(0.001, BUSY), (0.015, TOO_FAST)])
+def test_why_frames_are_dropped_is_said_by_how_long_one_takes(took_s: float, said: str) -> None:
+    """Every other frame of 100 a second is dropped. Where one takes 15 ms that leaves a load below 1."""
+    simulation = Simulation(tiny(), "exact", 0)
+    grey = np.full((16, 24), 50, np.uint8)
+    simulation.step(arrival(grey, 0))
+    for _ in range(20):
+        simulation.load.worked(took_s, 20_000, missed=1)
+    assert simulation.load.trouble == ""
+    simulation.step(arrival(grey, 20_000, missed=1))
+    assert simulation.load.trouble == said
+    assert simulation.load.ratio < 1
 
 
 def test_steps_of_an_interval_are_bounded() -> None:
