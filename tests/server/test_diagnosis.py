@@ -15,8 +15,8 @@ from voltcam_server.diagnosis_models import DiagnosisRequest
 from voltcam_server.emulator import Emulator
 
 from .diagnosis_rig import STUB, Bench, diagnosing, refusal
+from .page.browsing import CHROMIUM, CHROMIUM_ARGS
 from .rig import PATIENCE_S, SCENE, tiny, until
-from .test_page import CHROMIUM, CHROMIUM_ARGS
 
 
 @pytest.fixture
