@@ -24,7 +24,7 @@ from . import Law, Parameters, Simulator, camera_names
 from .kernel import COMPILED
 from .processor import TARGETS, Target
 
-STILL_FRAMES = 20  # for so long light stands still that rows are drawn ahead
+STILL_FRAMES, STILL_US = 20, 500_000  # still so long that rows are drawn ahead, and their clock begins anew
 LIMIT_S = 600  # for one target, which takes 13
 Signature = tuple[str, str, Any]
 """Module and name of a kernel, and Numba's types of its arguments."""
@@ -49,7 +49,7 @@ def used_signatures() -> list[Signature]:
     for camera, law, dtype in product(camera_names(), get_args(Law), (np.uint8, np.float32)):
         simulator = Simulator(16, 12, Parameters.of(camera), law, seed=1)
         for i in range(1 + STILL_FRAMES):  # dark, then bright
-            simulator.advance(np.full((12, 16), 200 if i else 20, dtype), i * 10_000)
+            simulator.advance(np.full((12, 16), 200 if i else 20, dtype), i * STILL_US)
     return [(k.py_func.__module__, k.__name__, types) for k in _kernels() for types in k.overloads]
 
 

@@ -59,8 +59,10 @@ for camera in camera_names():
     simulator = Simulator(160, 120, Parameters.of(camera), seed=3, threads=2)
     for i, frame in enumerate(frames):
         simulator.advance(frame if i % 10 < 5 else frames[5], 20_000 * i)
-    simulator.jump(frames[0].astype(float), 10_000_000)
-    simulator.advance(frames[1].astype(float), 10_030_000)
+    for i in range(14):
+        simulator.advance(frames[29], 1_000_000 * (i + 1))
+    simulator.jump(frames[0].astype(float), 20_000_000)
+    simulator.advance(frames[1].astype(float), 20_030_000)
 print(json.dumps([len(before), before == sorted(map(repr, ahead.used_signatures()))]))
 """
 
