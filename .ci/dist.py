@@ -42,7 +42,6 @@ def main() -> None:
     )
     arguments = parser.parse_args()
     files = build(arguments.out)
-    check_wheel(files["wheel"])
     check_sdist(files["sdist"])
     run(sys.executable, "-m", "twine", "check", "--strict", *files.values())
     say("metadata: twine finds nothing wrong")
@@ -54,20 +53,27 @@ def main() -> None:
 
 
 def build(out: Path) -> dict[str, Path]:
-    """The wheel, built from the sdist, and the sdist: all that is in `out` then."""
+    """The wheel, of the sdist and with kernels compiled ahead, and the sdist: all that is in `out` then."""
     out.mkdir(exist_ok=True)
     for former in [*out.glob("voltcam-*.whl"), *out.glob("voltcam-*.tar.gz")]:
         former.unlink()
-    run(sys.executable, "-m", "build", "--outdir", out, ROOT)
-    (wheel,), (sdist,) = out.glob("voltcam-*.whl"), out.glob("voltcam-*.tar.gz")
-    say(f"built: {wheel.name} ({kilobytes(wheel)}), {sdist.name} ({kilobytes(sdist)})")
+    run(sys.executable, "-m", "build", "--sdist", "--outdir", out, ROOT)
+    (sdist,) = out.glob("voltcam-*.tar.gz")
+    with tempfile.TemporaryDirectory(prefix="voltcam-wheel-") as folder, tarfile.open(sdist) as opened:
+        opened.extractall(folder, filter="data")
+        (source,) = Path(folder).iterdir()
+        run(sys.executable, "-m", "voltcam_simulator.ahead", cwd=source / "simulator")
+        run(sys.executable, "-m", "build", "--wheel", "--outdir", out, source)
+        (wheel,) = out.glob("voltcam-*.whl")
+        say(f"built: {wheel.name} ({kilobytes(wheel)}), {sdist.name} ({kilobytes(sdist)})")
+        check_wheel(wheel, source)
     return {"wheel": wheel, "sdist": sdist}
 
 
-def check_wheel(wheel: Path) -> None:
+def check_wheel(wheel: Path, source: Path) -> None:
     """It has the files of the five packages, its metadata, and nothing else."""
     packages = [
-        ROOT / package for package in PROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"]
+        source / package for package in PROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"]
     ]
     wanted = {
         file.relative_to(package.parent).as_posix()
@@ -125,7 +131,21 @@ def try_out(file: Path, extra: str) -> None:
         installed_s = time.monotonic()
         run(python, "-I", FIRST_USE, extra, cwd=folder, XDG_CACHE_HOME=str(Path(folder, "cache")))
         used_s = time.monotonic()
-        say(f"        installed in {installed_s - began_s:.0f} s, used in {used_s - installed_s:.0f} s")
+        compiled = len([*Path(folder, "cache").rglob("*.nbc")])
+        say(
+            f"        installed in {installed_s - began_s:.0f} s, used in {used_s - installed_s:.0f} s, "
+            f"{compiled} kernels compiled"
+        )
+        if file.suffix == ".whl" and compiled and numba_of(python) == numba_of(sys.executable):
+            sys.exit(
+                f"{file.name}: its kernels were not used, though Python and Numba are those it was built with"
+            )
+
+
+def numba_of(python: object) -> str:
+    """The version of Numba that an interpreter has."""
+    program = "from importlib.metadata import version; print(version('numba'))"
+    return subprocess.check_output([str(python), "-I", "-c", program], text=True)
 
 
 def run(*command: object, cwd: str | Path = ROOT, **environment: str) -> None:

@@ -1,5 +1,6 @@
 """Without a container engine: image and compose files fit the project and its command line."""
 
+import importlib.util
 import json
 import re
 import tomllib
@@ -44,6 +45,17 @@ def test_the_wheel_has_all_it_is_built_from() -> None:
     assert all((ROOT / path).exists() for path in copied)
     let_in = {line[1:] for line in (ROOT / ".dockerignore").read_text().splitlines() if line.startswith("!")}
     assert let_in == copied
+
+
+def test_modules_that_are_run_while_an_image_is_built_are_there() -> None:
+    modules = [
+        name
+        for keyword, rest in instructions()
+        if keyword == "RUN"
+        for name in re.findall(r"-m ([\w.]+)", rest)
+    ]
+    assert "voltcam_simulator.ahead" in modules
+    assert all(importlib.util.find_spec(name) for name in modules)
 
 
 def test_every_image_ends_as_the_unprivileged_user() -> None:
