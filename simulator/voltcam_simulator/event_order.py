@@ -39,7 +39,7 @@ def merged(first: Events, second: Events) -> Events:
     if len(first) == 0 or len(second) == 0:
         return first if len(second) == 0 else second
     both = np.empty(len(first) + len(second), EVENT)
-    _merge(first, second, both)
+    _merge(first, second, first.view(np.uint8), second.view(np.uint8), both.view(np.uint8))
     return both
 
 
@@ -60,12 +60,41 @@ def _take(events: Any, keys: Any, mask: Any, ordered: Any) -> None:
 
 
 @kernel
-def _merge(first: Any, second: Any, both: Any) -> None:
-    i, j = 0, 0
-    for k in range(both.shape[0]):
-        if j == second.shape[0] or (i < first.shape[0] and first[i].t <= second[j].t):
-            both[k] = first[i]
-            i += 1
+def _merge(first: Any, second: Any, first_bytes: Any, second_bytes: Any, both: Any) -> None:
+    """Runs of events are copied as bytes: one of the two is short as a rule, so that the runs are long."""
+    size = both.shape[0] // (first.shape[0] + second.shape[0])
+    i, j, to = 0, 0, 0
+    while i < first.shape[0] or j < second.shape[0]:
+        if j < second.shape[0]:
+            end = _run(first, i, second[j].t + 1)
         else:
-            both[k] = second[j]
-            j += 1
+            end = first.shape[0]
+        _copy(first_bytes, i * size, both, to, (end - i) * size)
+        to, i = to + (end - i) * size, end
+        end = _run(second, j, first[i].t) if i < first.shape[0] else second.shape[0]
+        _copy(second_bytes, j * size, both, to, (end - j) * size)
+        to, j = to + (end - j) * size, end
+
+
+@kernel
+def _run(events: Any, begin: Any, t: Any) -> Any:
+    """The first place from begin on whose event is not before t: in steps that double, then by halves."""
+    n, step = events.shape[0], 1
+    low = begin
+    while low + step < n and events[low + step].t < t:
+        low, step = low + step, 2 * step
+    high = min(low + step, n)
+    while low < high:
+        middle = (low + high) // 2
+        if events[middle].t < t:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@kernel
+def _copy(source: Any, begin: Any, target: Any, to: Any, count: Any) -> None:
+    run, room = source[begin : begin + count], target[to : to + count]
+    for b in range(count):
+        room[b] = run[b]

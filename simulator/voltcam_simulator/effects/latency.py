@@ -8,7 +8,7 @@ import numpy as np
 from ..effect import About, Effect, EventInterval, Events, Sensor, State, quantity
 from ..event_order import in_time_order
 from ..kernel import kernel
-from ..random import normal
+from ..random import normals, sequences
 
 WIDEST = 4.0  # standard deviations
 
@@ -47,18 +47,31 @@ class Latency(Effect):
     def report(self, events: Events, readout: EventInterval) -> Events:
         left_us = readout.state[self.name]["left_us"]
         key = readout.key(self.name)
-        delay(events, self.delay_us, self.jitter_us, key, readout.sensor.width, left_us)
+        late_us = draw_delays(key, len(events), self.delay_us, self.jitter_us)
+        delay(events, late_us, readout.sensor.width, left_us)
         return in_time_order(events)
 
 
 @kernel
-def delay(events: Any, mean: Any, jitter: Any, state: Any, width: Any, left: Any) -> None:
-    """Delay the events, in place; left (pixels,) int64 [us]: when the last event of each pixel has left."""
+def draw_delays(key: Any, count: Any, mean: Any, jitter: Any) -> Any:
+    """So many delays in whole microseconds, float64."""
+    half = (count + 1) // 2
+    states, late = np.empty(half, np.uint64), np.empty(2 * half)
+    sequences(key, 0, np.arange(half), states)
+    normals(states, late[:half], late[half:])
+    for i in range(late.shape[0]):
+        late[i] = math.floor(mean + jitter * max(-WIDEST, min(late[i], WIDEST)) + 0.5)
+    return late[:count]
+
+
+@kernel
+def delay(events: Any, late: Any, width: Any, left: Any) -> None:
+    """Delay the events, in place; left (pixels,) int64 [us]: when the last event of each pixel has left.
+
+    Nothing else is in the loop, so that several misses of the cache are on their way at once.
+    """
     for i in range(events.shape[0]):
-        state, gauss = normal(state)
-        late = mean + jitter * max(-WIDEST, min(gauss, WIDEST))
-        leaves = events[i].t + np.int64(math.floor(late + 0.5))
         pixel = np.int64(events[i].y) * width + np.int64(events[i].x)
-        leaves = max(leaves, left[pixel])
+        leaves = max(events[i].t + np.int64(late[i]), left[pixel])
         left[pixel] = leaves
         events[i].t = leaves

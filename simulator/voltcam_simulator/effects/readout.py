@@ -39,10 +39,9 @@ class Readout(Effect):
         return self.row_us > 0 or self.event_us > 0
 
     def state(self, sensor: Sensor) -> State:
-        pixels = sensor.width * sensor.height
         return {
-            "held": np.zeros(pixels, np.uint8),  # the event that waits in a pixel: 0 none, 1 OFF, 2 ON
-            "columns": np.zeros(pixels, np.uint16),  # for each row, the x of its waiting events
+            "held": np.zeros((sensor.height, sensor.width // 8 + 1), np.uint8),  # a bit: an event waits there
+            "waiting": np.zeros((sensor.height, sensor.width), np.uint16),  # of each row: 2 x + polarity
             "counts": np.zeros(sensor.height, np.int64),  # and how many there are
             "queue": np.zeros(sensor.height, np.int64),  # a ring of the rows that ask
             "place": np.zeros(2, np.int64),  # where it begins, and its length
@@ -54,19 +53,18 @@ class Readout(Effect):
         out = np.empty(len(events) + int(bus["counts"].sum()), events.dtype)
         written = serve(
             events, readout.start_us, readout.span_us, self.row_us, self.event_us, bus["held"],
-            bus["columns"], bus["counts"], bus["queue"], bus["place"], bus["busy_us"], out,
+            bus["waiting"], bus["counts"], bus["queue"], bus["place"], bus["busy_us"], out,
         )  # fmt: skip
         return out if written == len(out) else copied(out[:written])
 
 
 @kernel
 def serve(
-    events: Any, start: Any, span: Any, row_us: Any, event_us: Any, held: Any, columns: Any, counts: Any,
+    events: Any, start: Any, span: Any, row_us: Any, event_us: Any, held: Any, waiting: Any, counts: Any,
     queue: Any, place: Any, busy_us: Any, out: Any,
 ) -> Any:  # fmt: skip
     """Serve what can be granted within the interval; the rest waits in the state. Returns events in out."""
     rows = counts.shape[0]
-    width = held.shape[0] // rows
     head, length, busy = place[0], place[1], busy_us[0]
     come, written = 0, 0
     while length > 0 or come < events.shape[0]:
@@ -74,9 +72,10 @@ def serve(
         stamp = start + np.int64(grant)
         while come < events.shape[0] and events[come].t <= stamp:
             x, y = np.int64(events[come].x), np.int64(events[come].y)
-            if held[y * width + x] == 0:
-                held[y * width + x] = 2 if events[come].p else 1
-                columns[y * width + counts[y]] = x
+            bit = np.uint8(1 << (x & 7))
+            if held[y, x >> 3] & bit == 0:
+                held[y, x >> 3] |= bit
+                waiting[y, counts[y]] = 2 * x + events[come].p
                 if counts[y] == 0:
                     free = head + length
                     queue[free if free < rows else free - rows] = y
@@ -87,13 +86,13 @@ def serve(
             break
         row = queue[head]
         head, length = head + 1 if head + 1 < rows else 0, length - 1
-        asking = columns[row * width : row * width + counts[row]]
+        asking = waiting[row, : counts[row]]
         sort_few(asking)
         for k in range(asking.shape[0]):
-            pixel = row * width + asking[k]
+            x = np.int64(asking[k] >> 1)
             out[written].t = stamp
-            out[written].x, out[written].y, out[written].p = asking[k], row, held[pixel] == 2
-            held[pixel] = 0
+            out[written].x, out[written].y, out[written].p = x, row, asking[k] & 1 != 0
+            held[row, x >> 3] = 0
             written += 1
         busy = grant + row_us + event_us * counts[row]
         counts[row] = 0
