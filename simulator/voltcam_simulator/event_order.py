@@ -65,10 +65,7 @@ def _merge(first: Any, second: Any, first_bytes: Any, second_bytes: Any, both: A
     size = both.shape[0] // (first.shape[0] + second.shape[0])
     i, j, to = 0, 0, 0
     while i < first.shape[0] or j < second.shape[0]:
-        if j < second.shape[0]:
-            end = _run(first, i, second[j].t + 1)
-        else:
-            end = first.shape[0]
+        end = _run(first, i, second[j].t + 1) if j < second.shape[0] else first.shape[0]
         _copy(first_bytes, i * size, both, to, (end - i) * size)
         to, i = to + (end - i) * size, end
         end = _run(second, j, first[i].t) if i < first.shape[0] else second.shape[0]
