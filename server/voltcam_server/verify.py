@@ -84,7 +84,13 @@ def _again(
     with np.load(paths_of(path)[1], allow_pickle=False) as state:
         former: Frame | None = None
         if state.files:
-            simulator.restore(state)
+            try:
+                simulator.restore(state)
+            except (KeyError, ValueError) as error:
+                kept = paths_of(path)[1]
+                raise UsageError(
+                    f"{kept} is of another Voltcam: verify {path.name} with the one that recorded it"
+                ) from error
             former = Frame(state["frame"], int(state["times_us"][0])) if head["follows"] else None
     for index, (image, time_us) in enumerate(zip(images, t_us.tolist(), strict=True)):
         note = manifest.notes.get(index, {})

@@ -70,6 +70,21 @@ def test_an_event_that_was_changed_is_found(column: str, tmp_path: Path) -> None
     assert 0 < verdict.events < content["t"].size
 
 
+def test_a_state_of_another_voltcam_is_refused(tmp_path: Path) -> None:
+    """Its arbiter kept what waits under another name."""
+    path = tmp_path / "walk.npz"
+    camera = tiny(**LIVELY, readout={"row_us": 1})
+    record(path, film(tmp_path, camera), camera)
+    kept = paths_of(path)[1]
+    with np.load(kept) as file:
+        content = dict(file)
+    content["state/readout/columns"] = content.pop("state/readout/waiting")
+    with kept.open("wb") as opened:
+        np.savez(opened, **content)
+    with pytest.raises(UsageError, match=r"is of another Voltcam: verify walk\.npz with the one"):
+        verify(path)
+
+
 def test_other_software_is_named(tmp_path: Path) -> None:
     path = tmp_path / "walk.npz"
     camera = tiny(**LIVELY)
