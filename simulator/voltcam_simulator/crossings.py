@@ -1,161 +1,265 @@
 """The pixels near a threshold over one step: their paths drawn in blocks."""
 
-import math
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from .crossing_rounds import draw_crossings
-from .event_key import event_address
-from .first_passage import stays_inside
-from .groups import Kicks, Motion, Pixels, Reset, Step
+from .bends import count_pieces, fading, find_knots
+from .groups import Bend, Kicks, Motion, Pixels, Reset, Step
 from .kernel import kernel
-from .random import normals, sequences
-from .single_path import DEEPEST, Pixel, follow_kicked
+from .out_of_reach import REACH
+from .paths import BLOCK, Paths, Space, cross_block, fresh_paths, fresh_space, gather, some
+from .random import mix
 
-BLOCK = 2048
-"""Pixels that are drawn together: their numbers stay in the second cache."""
+_0 = np.float32(0)
 
 
-class Paths(NamedTuple):
-    """The paths of a block of pixels over a step; (BLOCK,) float64, of which the first m are in use."""
+class Bent(NamedTuple):
+    """A block of pixels whose mean paths are bent, over a step; (BLOCK,) float32, the first m are in use.
 
+    Those with more pieces come first.
+    """
+
+    numbers: Any
+    """int32: which pixels of the band."""
     pixels: Any
-    """(m,) int32: which pixels of the band."""
-    states: Any
-    """uint64: their sequences of random numbers."""
-    start: Any
-    """Voltage at the start of the path."""
-    end: Any
-    """Voltage at the end of the step, first without resets, in the end with them."""
-    above: Any
-    """The ON threshold."""
-    below: Any
-    """The OFF threshold, as a distance from 0."""
+    """A `Pixels` of them alone, which follows them from piece to piece."""
+    drift: Any
+    """Voltage gained over the whole step, without kicks."""
     noise2: Any
     """sigma^2 [1/us]."""
-    wait_us: Any
-    """What of the step a pixel spends in its dead time; its path starts then."""
-    free_us: Any
-    """When the dead time ends, from the start of the step: that before it, in the end that of its events."""
+    bow: Any
+    """See `Bend`."""
+    rate: Any
+    """See `Bend`."""
+    q: Any
+    """See `bends`."""
+    pieces: Any
+    """Into how many pieces the step is cut."""
+    share: Any
+    """What of the step the pieces so far have taken."""
+    line: Any
+    """How far the path is from the straight line there, in bows."""
+    ahead: Any
+    """(2, BLOCK): share and line at the end of the next piece."""
+    gain: Any
+    """Voltage gained over the next piece, with kicks."""
 
 
 @kernel
 def cross(
     voltage: Any, pending: Any, held: Any, above: Any, below: Any, drift: Any, noise: Any,
     key: Any, span_us: Any, offset_us: Any, first_pixel: Any, width: Any, dead_us: Any, sigma: Any,
-    kick_times_us: Any, kick_sizes: Any, slack: Any, careful: Any, near: Any, first: Any, count: Any,
-    keys: Any,
+    kick_times_us: Any, kick_sizes: Any, slack: Any, bow: Any, rate: Any, careful: Any,
+    straight: Any, bent: Any, first: Any, keys: Any,
 ) -> Any:  # fmt: skip
-    """Draw the paths of the pixels near[first:count] and pack their events into keys.
+    """Draw the paths of pixels near a threshold and pack their events into keys.
 
-    Called as cross(*pixels, *motion, *step, *reset, *kicks, careful, near, first, count, keys), see `groups`.
-    careful: False when no pixel is held or kicked.
+    Called as cross(*pixels, *motion, *step, *reset, *kicks, *bend, careful, straight, bent, first, keys), see
+    `groups`. careful: False when no pixel is held or kicked. straight, bent: int32, the numbers of pixels
+    whose mean path is straight, and bent; counted through, those before `first` are done already.
     Returns (pixels done, events written). Stops before a block of pixels whose events do not fit into keys
     (capacity,) uint64; call again with more room, the same numbers are drawn.
-
-    Pixels go in blocks: what all of them need, and the usual crossings of one threshold, are loops that the
-    compiler vectorises (`draw_ends`, `find_touching`, `next_crossings`); the rest is followed one by one.
     """
     pixels, motion = Pixels(voltage, pending, held, above, below), Motion(drift, noise)
     step, reset = Step(key, span_us, offset_us, first_pixel, width), Reset(dead_us, sigma)
-    kicks, written = Kicks(kick_times_us, kick_sizes, slack), 0
-    states, touching = np.empty(BLOCK, np.uint64), np.empty(BLOCK + 1, np.int32)
-    start, end, a, b = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK)
-    noise2, wait, free, scratch = np.empty(BLOCK), np.zeros(BLOCK), np.zeros(BLOCK), np.empty((12, BLOCK))
-    cuts = np.empty((2, DEEPEST + 1))
+    kicks = Kicks(kick_times_us, kick_sizes, slack)
+    paths, space, written, count = fresh_paths(), fresh_space(), 0, straight.shape[0]
+    paths.begin_us[:] = 0.0
+    paths.end_us[:] = span_us
     for begin in range(first, count, BLOCK):
-        block = near[begin : min(begin + BLOCK, count)]
-        paths = Paths(block, states, start, end, a, b, noise2, wait, free)
-        done = written
-        sequences(key, first_pixel, block, states)
-        normals(states[: block.shape[0]], start[: block.shape[0]], end[: block.shape[0]])
-        if careful:
-            find_waits(held, paths, span_us)
-        draw_ends(pixels, motion, paths, span_us)
-        touches = find_touching(paths, span_us, touching)
-        if len(kick_sizes) > 0:
-            touches = leave_out_kicked(touches, slack, block, touching)
-            done = follow_all_kicked(paths, drift, step, reset, kicks, cuts, keys, done)
-        if done >= 0:
-            done = draw_crossings(touching[:touches], paths, step, reset, scratch, cuts, keys, done)
+        block = straight[begin : min(begin + BLOCK, count)]
+        done = cross_straight(block, paths, pixels, motion, step, reset, kicks, careful, space, keys, written)
         if done < 0:
             return begin, written
-        for k in range(block.shape[0]):
-            voltage[block[k]] = end[k]
-            pending[block[k]] = 0.0
-        if careful:
-            for k in range(block.shape[0]):
-                held[block[k]] = max(free[k] - span_us, 0.0)
         written = done
-    return count, written
+    if bow is not None:
+        bend, own = Bend(bow, rate), fresh_bent()
+        for begin in range(max(first - count, 0), bent.shape[0], BLOCK):
+            block = bent[begin : min(begin + BLOCK, bent.shape[0])]
+            done = cross_bent(
+                block, own, paths, pixels, motion, step, reset, kicks, bend, careful, space, keys, written
+            )
+            if done < 0:
+                return count + begin, written
+            written = done
+    return count + bent.shape[0], written
 
 
 @kernel
-def find_waits(held: Any, paths: Any, span: Any) -> None:
-    """Fill the paths' wait_us and free_us; their end, a normal number, is less by the wait."""
-    pixels, wait, free, end = paths.pixels, paths.wait_us, paths.free_us, paths.end
-    for k in range(pixels.shape[0]):
-        free[k] = held[pixels[k]]
-        wait[k] = min(free[k], span)
-        end[k] *= math.sqrt(1.0 - wait[k] / span)
+def cross_straight(
+    block: Any, paths: Any, pixels: Any, motion: Any, step: Any, reset: Any, kicks: Any, careful: Any,
+    space: Any, keys: Any, written: Any,
+) -> Any:  # fmt: skip
+    """A block of pixels whose paths go straight over the whole step. Returns `written`, -1 if keys is full.
+
+    begin_us and end_us of paths are those of the step.
+    """
+    here = some(paths, block, block)
+    gather(motion.drift, block, here.drift)
+    gather(motion.noise, block, here.noise2)
+    here.noise2[:] *= here.noise2
+    return cross_block(here, pixels, step.key, step, reset, kicks, careful, space, keys, written)
 
 
 @kernel
-def draw_ends(pixels: Any, motion: Any, paths: Any, span: Any) -> None:
-    """The paths' start and end from standard normal numbers to voltages; above, below, noise2 are filled."""
-    voltage, pending, thresholds = pixels.voltage, pixels.pending, (pixels.above, pixels.below)
-    drift, noise, block, wait = motion.drift, motion.noise, paths.pixels, paths.wait_us
-    start, end, a, b, noise2 = paths.start, paths.end, paths.above, paths.below, paths.noise2
-    root, per_span = math.sqrt(span), 1.0 / span
+def fresh_bent() -> Any:
+    """Space for a block."""
+    columns = np.empty((16, BLOCK), np.float32)
+    pixels = Pixels(columns[0], columns[1], columns[2], columns[3], columns[4])
+    return Bent(
+        np.empty(BLOCK, np.int32), pixels, columns[5], columns[6], columns[7], columns[8], columns[9],
+        columns[10], columns[11], columns[12], columns[13:15], columns[15],
+    )  # fmt: skip
+
+
+@kernel
+def cross_bent(
+    block: Any, bent: Any, paths: Any, pixels: Any, motion: Any, step: Any, reset: Any, kicks: Any, bend: Any,
+    careful: Any, space: Any, keys: Any, written: Any,
+) -> Any:  # fmt: skip
+    """A block of pixels with bent paths, in straight pieces. Returns `written`, -1 when keys is full.
+
+    The pixels themselves change only when all pieces are done.
+    """
+    most = begin_bent(block, bent, pixels, motion, bend, step.span_us)
+    key, count = step.key, block.shape[0]
+    if len(kicks.sizes) > 0:
+        take_out_kicks(count, bent, step.width, kicks)
+    for piece in range(most):
+        while bent.pieces[count - 1] <= piece:
+            count -= 1
+        going = begin_piece(piece, count, bent, paths, step, kicks, space)
+        here = some(paths, paths.numbers[:going], paths.places[:going])
+        written = cross_block(here, bent.pixels, key, step, reset, kicks, careful, space, keys, written)
+        if written < 0:
+            return -1
+        key = mix(key)
     for k in range(block.shape[0]):
-        i = block[k]
-        sigma = np.float64(noise[i])
-        a[k], b[k], noise2[k] = thresholds[0][i], thresholds[1][i], sigma * sigma
-        x = np.float64(voltage[i]) + math.sqrt(np.float64(pending[i])) * start[k]
-        x = min(max(x, -b[k]), a[k])  # beyond by rounding, by a kick, or where a threshold was lowered
-        start[k] = x
-        end[k] = x + np.float64(drift[i]) * ((span - wait[k]) * per_span) + sigma * root * end[k]
+        i = bent.numbers[k]
+        pixels.voltage[i], pixels.pending[i] = bent.pixels.voltage[k], bent.pixels.pending[k]
+    if careful:
+        for k in range(block.shape[0]):
+            pixels.held[bent.numbers[k]] = bent.pixels.held[k]
+    return written
 
 
 @kernel
-def find_touching(paths: Any, span: Any, touching: Any) -> Any:
-    """Fill touching with the places of the paths that may touch a threshold; returns their number."""
-    start, end, a, b = paths.start, paths.end, paths.above, paths.below
-    noise2, wait, paths_here = paths.noise2, paths.wait_us, paths.pixels.shape[0]
-    inside = np.empty(paths_here, np.bool_)
-    for k in range(paths_here):
-        inside[k] = stays_inside(start[k], end[k], a[k], b[k], noise2[k] * (span - wait[k]))
-    count = 0
-    for k in range(paths_here):
-        touching[count] = k
-        count += not inside[k]
+def begin_bent(block: Any, bent: Any, pixels: Any, motion: Any, bend: Any, span_us: Any) -> Any:
+    """Take the pixels of a block, and cut their step into pieces; returns the most of any pixel."""
+    n = block.shape[0]
+    q, pieces = bent.q[:n], bent.pieces[:n]
+    gather_bent(block, bent, motion, bend)
+    most = count_pieces(bent.bow, bent.drift, q, span_us, pieces)
+    by_pieces(pieces, most, block, bent.numbers)
+    numbers, own = bent.numbers[:n], bent.pixels
+    gather_bent(numbers, bent, motion, bend)
+    count_pieces(bent.bow, bent.drift, q, span_us, pieces)
+    gather(pixels.voltage, numbers, own.voltage)
+    gather(pixels.pending, numbers, own.pending)
+    gather(pixels.held, numbers, own.held)
+    gather(pixels.above, numbers, own.above)
+    gather(pixels.below, numbers, own.below)
+    gather(motion.noise, numbers, bent.noise2)
+    for k in range(n):
+        bent.noise2[k] *= bent.noise2[k]
+        bent.share[k], bent.line[k] = _0, _0
+    return most
+
+
+@kernel
+def gather_bent(numbers: Any, bent: Any, motion: Any, bend: Any) -> None:
+    """What the pieces of these pixels depend on."""
+    gather(motion.drift, numbers, bent.drift)
+    gather(bend.bow, numbers, bent.bow)
+    gather(bend.rate, numbers, bent.rate)
+    for k in range(numbers.shape[0]):
+        bent.q[k] = fading(bent.rate[k])
+
+
+@kernel
+def by_pieces(pieces: Any, most: Any, block: Any, numbers: Any) -> None:
+    """Put the pixels of a block into numbers, those with more pieces first."""
+    starts = np.zeros(most + 1, np.int64)
+    for k in range(pieces.shape[0]):
+        starts[most - int(pieces[k]) + 1] += 1
+    for i in range(most):
+        starts[i + 1] += starts[i]
+    for k in range(pieces.shape[0]):
+        i = most - int(pieces[k])
+        numbers[starts[i]] = block[k]
+        starts[i] += 1
+
+
+@kernel
+def begin_piece(piece: Any, n: Any, bent: Any, paths: Any, step: Any, kicks: Any, space: Any) -> Any:
+    """Fill paths with the next piece of those of the first n pixels that may fire; returns their number.
+
+    Where no threshold is within reach over the piece, drift and noise gather.
+    """
+    own, span, share, line, gain = bent.pixels, step.span_us, bent.share, bent.line, bent.gain
+    share_end, line_end = bent.ahead[0, :n], bent.ahead[1, :n]
+    find_knots(piece + 1, bent.pieces, bent.rate, bent.q, share_end, line_end, space.small)
+    for k in range(n):
+        gain[k] = bent.drift[k] * (share_end[k] - share[k]) + bent.bow[k] * (line_end[k] - line[k])
+    may_stay = np.ones(n, np.bool_)
+    if len(kicks.sizes) > 0:
+        add_kicks(n, bent, step, kicks, may_stay)
+    count = stay(own, gain, bent.noise2, share_end, share, span, may_stay, paths.places)
+    for c in range(count):
+        k = paths.places[c]
+        paths.numbers[c] = bent.numbers[k]
+        paths.begin_us[c], paths.end_us[c] = span * share[k], span * share_end[k]
+        paths.drift[c], paths.noise2[c] = gain[k], bent.noise2[k]
+    share[:n] = share_end
+    line[:n] = line_end
     return count
 
 
 @kernel
-def leave_out_kicked(count: Any, slack: Any, pixels: Any, touching: Any) -> Any:
-    """Take pixels with kicks out of the first `count` of touching; returns how many are left."""
-    left = 0
-    for c in range(count):
-        touching[left] = touching[c]
-        left += slack[pixels[touching[c]]] <= 0.0
-    return left
+def stay(
+    pixels: Any, gain: Any, noise2: Any, share_end: Any, share: Any, span_us: Any, may: Any, others: Any
+) -> Any:
+    """Let drift and noise gather, over a piece, where no threshold is within reach; others receives the places
+    of the other pixels. Returns their number. may (n,) bool: which pixels are looked at."""
+    voltage, pending, held, n = pixels.voltage, pixels.pending, pixels.held, may.shape[0]
+    above, below, stays = pixels.above, pixels.below, np.empty(n, np.bool_)
+    variance, span, reach2 = np.empty(n, np.float32), np.float32(span_us), np.float32(REACH * REACH)
+    for k in range(n):
+        variance[k] = pending[k] + noise2[k] * (share_end[k] - share[k]) * span
+    for k in range(n):
+        start, end = voltage[k], voltage[k] + gain[k]
+        closest = min(above[k] - max(start, end), below[k] + min(start, end))
+        stays[k] = (closest > _0) & (closest * closest > reach2 * variance[k])
+    for k in range(n):
+        stays[k] &= (held[k] <= _0) & may[k]
+    for k in range(n):
+        voltage[k] += gain[k] if stays[k] else _0
+    for k in range(n):
+        pending[k] = variance[k] if stays[k] else pending[k]
+    count = 0
+    for k in range(n):
+        others[count] = k
+        count += not stays[k]
+    return count
 
 
 @kernel
-def follow_all_kicked(
-    paths: Any, drift: Any, step: Any, reset: Any, kicks: Any, cuts: Any, keys: Any, written: Any
-) -> Any:
-    """Follow a block's pixels with kicks, to the paths' end and free_us. Returns `written`, as `follow`."""
-    end, free = paths.end, paths.free_us
-    for k in range(paths.pixels.shape[0]):
-        i = paths.pixels[k]
-        if kicks.slack[i] > 0.0 and written >= 0:
-            row, address = i // step.width, event_address(step.first_pixel + i, step.width, 1.0 / step.width)
-            pixel = Pixel(paths.noise2[k], paths.above[k], paths.below[k], address, step.offset_us)
-            written, end[k], free[k] = follow_kicked(
-                paths.states[k], paths.start[k], np.float64(drift[i]), free[k], step.span_us, pixel, reset,
-                kicks.times_us[:, row], kicks.sizes[:, row], cuts, keys, written,
-            )  # fmt: skip
-    return written
+def take_out_kicks(n: Any, bent: Any, width: Any, kicks: Any) -> None:
+    """Those of the step, of its drift."""
+    for k in range(n):
+        if kicks.slack[bent.numbers[k]] > 0.0:
+            bent.drift[k] -= kicks.sizes[:, bent.numbers[k] // width].sum()
+
+
+@kernel
+def add_kicks(n: Any, bent: Any, step: Any, kicks: Any, may_stay: Any) -> None:
+    """Those in the next piece, to its gain; pixels with kicks may not stay as they are."""
+    for k in range(n):
+        if kicks.slack[bent.numbers[k]] > 0.0:
+            may_stay[k] = False
+            row = bent.numbers[k] // step.width
+            begin, end = bent.share[k] * step.span_us, bent.ahead[0, k] * step.span_us
+            for kick in range(kicks.sizes.shape[0]):
+                if begin < kicks.times_us[kick, row] <= end:
+                    bent.gain[k] += kicks.sizes[kick, row]

@@ -90,10 +90,10 @@ class PixelArray:
         place = slice(first_row * self.width, end_row * self.width)
         size = place.stop - place.start
         sensor = self.sensor
-        light, response, drift, noise = workspace.planes[:, :size]
+        light, response, drift, noise, bow, rate = workspace.planes[:, :size]
         band = Band(
             sensor, first_row, 0, 0.0, 0.0, sensor.temperature_c,
-            self.light[place], light, response, drift, noise,
+            self.light[place], light, response, drift, noise, bow, rate,
             leak=None if sensor.leak is None else sensor.leak.ravel()[place],
             planes={
                 name: {k: a[place] if is_plane(a, self.voltage) else a for k, a in state.items()}
