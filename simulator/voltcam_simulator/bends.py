@@ -5,9 +5,9 @@ away as exp(-a x), x the share of the step and a = `Bend.rate`. With q = 1 - exp
 
     x_i = -(2/a) ln(1 - q i/(n - 0.31 q)),  i = 1..n - 1
 
-are dense where the path is bent: n pieces all leave their chords by the same, 1/(n - 0.31 q)^2 of what one
-piece of that rule would, to 2 %. (Knots go as the square root of the curvature; 0.31 is for the last piece,
-which has all of the tail.) How few pieces do follows from it in closed form.
+are dense where the path is bent: n pieces all leave their chords by the same, C q^2/2/(n - 0.31 q)^2 for a
+transient of size C at the start, to a few per cent. (Knots go as the square root of the curvature; 0.31 is for
+the last piece, which has all of the tail.) How few pieces do follows from it in closed form.
 """
 
 from typing import Any
@@ -17,16 +17,17 @@ import numpy as np
 from .kernel import kernel
 from .logarithm import add_logarithm
 
-TOLERANCE = 0.005
-"""How far the mean path may be from straight pieces [nominal thresholds]: a tenth of how much the thresholds
+TOLERANCE = 0.01
+"""How far the mean path may be from straight pieces [nominal thresholds]: a third of how much the thresholds
 of a DAVIS differ from pixel to pixel. Or, if that is more, as far as the voltage goes in"""
-TOLERANCE_US = 250.0
+TOLERANCE_US = 500.0
 """this time, at its mean speed in the step, or in"""
 TOLERANCE_SHARE = 1 / 64
 """this share of the step: an eighth of what a straight line between two frames may miss of the light."""
 TAIL = 0.31
-MOST_PIECES = 32
-_0, _1, _2, _HALF, _16, _1_16TH = (np.float32(v) for v in (0, 1, 2, 0.5, 16, 1 / 16))
+MOST_PIECES = 16
+"""Enough for a bow of 2.4 thresholds, or more if the voltage goes as far."""
+_0, _1, _2, _4, _8, _HALF, _16, _1_16TH = (np.float32(v) for v in (0, 1, 2, 4, 8, 0.5, 16, 1 / 16))
 _TAIL, _MOST_PIECES = np.float32(TAIL), np.float32(MOST_PIECES)
 _15, _105, _420, _945 = (np.float32(v) for v in (15, 105, 420, 945))
 
@@ -54,19 +55,18 @@ def fading(rate: Any) -> Any:
 
 
 @kernel
-def deepest_bow(q: Any, transient: Any) -> Any:
-    """The bow of a path by the size that the transient has at the start of the step."""
-    whole = q / (_1 - _TAIL * q)
-    return -_HALF * whole * whole * transient
+def depth(rate: Any) -> Any:
+    """The largest distance of exp(-a x) from its chord, 1 - P + P ln P with P = (1 - exp(-a))/a, to 3 %."""
+    return rate * rate / (_8 + rate * (_4 + rate))
 
 
 @kernel
-def count_pieces(bow: Any, drift: Any, q: Any, span_us: Any, pieces: Any) -> Any:
+def count_pieces(bow: Any, drift: Any, rate: Any, q: Any, span_us: Any, pieces: Any) -> Any:
     """Fill pieces with how many straight ones do for each path; returns the most. (m,) float32."""
     tolerance, share = straightness(span_us)
     for k in range(pieces.shape[0]):
         allowed = max(tolerance, share * abs(drift[k]))
-        pieces[k] = _TAIL * q[k] + (_1 - _TAIL * q[k]) * np.sqrt(abs(bow[k]) / allowed)
+        pieces[k] = q[k] * (_TAIL + np.sqrt(_HALF * abs(bow[k]) / (depth(rate[k]) * allowed)))
     most = _1
     for k in range(pieces.shape[0]):
         pieces[k] = min(max(np.ceil(pieces[k]), _1), _MOST_PIECES)
@@ -93,6 +93,5 @@ def find_knots(number: Any, pieces: Any, rate: Any, q: Any, share: Any, line: An
     for k in range(m):
         share[k] = share[k] / rate[k] if number < pieces[k] else _1
     for k in range(m):
-        whole = (_1 - _TAIL * q[k]) / q[k]
-        away = _2 * whole * whole * (_1 - left[k] * left[k] - q[k] * (_2 - q[k]) * share[k])
+        away = (_1 - left[k] * left[k] - q[k] * (_2 - q[k]) * share[k]) / depth(rate[k])
         line[k] = away if number < pieces[k] else _0

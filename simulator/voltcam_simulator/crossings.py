@@ -150,11 +150,11 @@ def begin_bent(block: Any, bent: Any, pixels: Any, motion: Any, bend: Any, span_
     n = block.shape[0]
     q, pieces = bent.q[:n], bent.pieces[:n]
     gather_bent(block, bent, motion, bend)
-    most = count_pieces(bent.bow, bent.drift, q, span_us, pieces)
+    most = count_pieces(bent.bow, bent.drift, bent.rate, q, span_us, pieces)
     by_pieces(pieces, most, block, bent.numbers)
     numbers, own = bent.numbers[:n], bent.pixels
     gather_bent(numbers, bent, motion, bend)
-    count_pieces(bent.bow, bent.drift, q, span_us, pieces)
+    count_pieces(bent.bow, bent.drift, bent.rate, q, span_us, pieces)
     gather(pixels.voltage, numbers, own.voltage)
     gather(pixels.pending, numbers, own.pending)
     gather(pixels.held, numbers, own.held)

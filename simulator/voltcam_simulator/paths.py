@@ -16,8 +16,9 @@ from .kernel import kernel
 from .random import normals, sequences
 from .single_path import DEEPEST, Pixel, follow_kicked
 
-BLOCK = 2048
-"""Pixels that are drawn together: their numbers stay in the second cache."""
+BLOCK = 8192
+"""Pixels that are drawn together. A block of 2048 stays in the second cache, but pixels with many pieces are
+few in it, and loops over few cost what each loop costs by itself: 8192 are drawn a quarter faster."""
 
 
 class Paths(NamedTuple):

@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
 from voltcam_simulator.crossings import cross
+from voltcam_simulator.effect import STRAIGHT
 from voltcam_simulator.groups import Kicks, Motion, Pixels, Reset, Step
 from voltcam_simulator.random import CROSSINGS, interval_key
 
@@ -25,8 +26,10 @@ def crossings(
     step = Step(interval_key(seed, CROSSINGS, 0), SPAN_US, 0.0, first_pixel=0, width=n)
     kicks = Kicks(np.zeros((0, 1)), np.zeros((0, 1)), np.zeros(n, np.float32))
     keys = np.empty(2000 * n if noise > 2 else 200 * n, np.uint64)
-    near = np.arange(n, dtype=np.int32)
-    done, written = cross(*pixels, *motion, *step, *Reset(0.0, 0.0), *kicks, False, near, 0, n, keys)
+    near, bent = np.arange(n, dtype=np.int32), np.empty(0, np.int32)
+    done, written = cross(
+        *pixels, *motion, *step, *Reset(0.0, 0.0), *kicks, *STRAIGHT, False, near, bent, 0, keys
+    )
     assert done == n
     keys = keys[:written]
     pixel = (keys >> np.uint64(1) & np.uint64(0x1FFF)).astype(np.int64)

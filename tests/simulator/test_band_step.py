@@ -24,9 +24,9 @@ def stepping(parameters: Parameters, law: Law = "exact") -> tuple[BandStepper, B
     """The lower two of three rows of a sensor, at 10 DN and at rest."""
     pattern = lay_down(WIDTH, 3, 1, law, parameters, {})
     workspace = Workspace(PIXELS)
-    light, response, drift, noise = workspace.planes
+    light, response, drift, noise, *bend = workspace.planes
     before = np.full(PIXELS, 10, np.float32)
-    band = Band(pattern.sensor, 1, 0, 0.0, 0.0, 25.0, before, light, response, drift, noise)
+    band = Band(pattern.sensor, 1, 0, 0.0, 0.0, 25.0, before, light, response, drift, noise, *bend)
     zeros, ones = (np.full(PIXELS, v, np.float32) for v in (0, 1))
     rows = AheadRows(
         np.zeros(ROWS, np.int32), np.zeros(ROWS, np.bool_), np.zeros(ROWS, np.float32), zeros.copy(),

@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..bends import deepest_bow, fading
+from ..bends import depth, fading
 from ..effect import About, Band, Effect, Sensor, State, quantity
 from ..kernel import kernel
 
@@ -68,10 +68,17 @@ class PhotoreceptorBandwidth(Effect):
         band.is_bent = True
 
 
-_1, _2, _4, _1_6TH = (np.float32(v) for v in (1, 2, 4, 1 / 6))
+_1, _2, _4, _HALF, _1_6TH, _1_360TH = (np.float32(v) for v in (1, 2, 4, 1 / 2, 1 / 6, 1 / 360))
 NEARLY_STRAIGHT = 0.01
 """Time constants in a step below which the first pole's output is taken as straight: off by an eighth of that
 of its way, at most."""
+
+
+@kernel
+def mean_rate(a0: Any, a1: Any) -> Any:
+    """Of a rate that goes from a0 to a1 as a power: their logarithmic mean, to 1 % if one is eleven times the
+    other (Simpson's rule)."""
+    return (_4 * np.sqrt(a0 * a1) + a0 + a1) * _1_6TH
 
 
 @kernel
@@ -82,15 +89,16 @@ def low_pass(
     """One step of the first pole; response is the input and becomes the output. bow, rate: see `Bend`."""
     for i in range(response.shape[0]):
         a0, a1 = per_dn * (before[i] + dark), per_dn * (light[i] + dark)
-        middle = np.sqrt(a0 * a1)
-        a = (_4 * middle + a0 + a1) * _1_6TH
-        late = a1 + (middle - a1) * min(_2 / a1, _1)
+        a = mean_rate(a0, a1)
         q = fading(a)
         left = _1 - q
+        series = _1 - a * (_1_6TH - a * a * _1_360TH)
+        share = series if a < _HALF else _2 / a - _2 * left * left / (q * (_1 + left))
+        late = mean_rate(a1 + (a0 - a1) * share, a1)
         u0, u1, v0 = input_[i], response[i], photoreceptor[i]
         behind, way = v0 - u0, u1 - u0
         v1 = u1 - q * (_1 + left) / late * way + left * left * behind
-        bow[i], rate[i] = deepest_bow(q, behind + way / a), a
+        bow[i], rate[i] = -depth(a) * (behind + way / a), a
         input_[i], photoreceptor[i], response[i] = u1, v1, v1
 
 
@@ -114,5 +122,5 @@ def follow(
         line0, line1 = v0 - transient, v1 - transient * left
         w1 = line1 - mean * (line1 - line0) + decay * (w0 - line0) + transient * passed
         both = a * b / (a + b)
-        bow[i], rate[i] = deepest_bow(fading(both), w0 - u0 + way / both), both
+        bow[i], rate[i] = -depth(both) * (w0 - u0 + way / both), both
         follower[i], response[i] = w1, w1
