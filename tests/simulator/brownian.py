@@ -36,17 +36,25 @@ def crossings(
     return pixel, (keys >> np.uint64(27)) / SPAN_US, (keys & np.uint64(1)).astype(bool), pixels.voltage
 
 
+def bent_path(drift: float, transient: float, rate: float, share: Floats) -> Floats:
+    """The mean path from 0 to drift, at shares of the second: transient exp(-rate share) and a straight line."""
+    curve = np.exp(-rate * share)
+    return np.asarray(drift * share + transient * (curve - 1 + share * (1 - np.exp(-rate))))
+
+
 def fine_steps(
-    n: int, start: float, drift: float, noise: float, above: float, below: float, steps: int, seed: int = 2
+    n: int, start: float, drift: float | Floats, noise: float, above: float, below: float, steps: int,
+    seed: int = 2,
 ) -> tuple[NDArray[np.int64], Floats, NDArray[np.bool_], Floats]:
-    """The same by brute force. Barriers are moved inwards by .5826 standard deviations of a step, which takes
+    """The same by brute force; drift may be the mean path at the ends of all steps. Barriers are moved inwards by .5826 standard deviations of a step, which takes
     out the leading error of looking at discrete times only (Broadie, Glasserman and Kou 1997)."""
     rng = np.random.default_rng(seed)
     voltage = np.full(n, start)
+    gained = np.diff(drift, prepend=0.0) if isinstance(drift, np.ndarray) else np.full(steps, drift / steps)
     inwards = 0.5826 * noise / np.sqrt(steps)
     found: list[tuple[NDArray[np.int64], Floats, NDArray[np.bool_]]] = []
     for step in range(steps):
-        voltage += drift / steps + noise / np.sqrt(steps) * rng.standard_normal(n)
+        voltage += gained[step] + noise / np.sqrt(steps) * rng.standard_normal(n)
         on, off = voltage >= above - inwards, voltage <= inwards - below
         pixels = np.flatnonzero(on | off)
         found.append((pixels, np.full(pixels.size, (step + 0.5) / steps), on[pixels]))
