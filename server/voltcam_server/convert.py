@@ -18,6 +18,7 @@ from voltcam_simulator import Camera, Law, Simulator
 from voltcam_video import Frame, Source, SourceError, SourceRequest, Upsampling, between, fit, open_source
 from voltcam_video.sources import MemorySource
 
+from .cores import threads_for
 from .problems import UsageError, one_line
 from .signals import ended_by_signal
 
@@ -58,7 +59,9 @@ def convert(job: Conversion) -> str:
 
 def _simulate(source: Source, job: Conversion, stop: threading.Event) -> str:
     width, height = job.camera.width, job.camera.height
-    simulator = Simulator(width, height, job.camera.parameters, job.law, job.seed)
+    simulator = Simulator(
+        width, height, job.camera.parameters, job.law, job.seed, threads_for(width, height)
+    )
     frames, began_s = 0, time.monotonic()
 
     def fitted() -> Iterator[Frame]:
@@ -72,8 +75,9 @@ def _simulate(source: Source, job: Conversion, stop: threading.Event) -> str:
 
     with open_writer(job.output, width=width, height=height, overwrite=job.overwrite) as writer:
         try:
-            for frame in between(fitted(), job.upsample):
-                writer.events(simulator.advance(frame.image, frame.t_us))
+            frames_between = between(fitted(), job.upsample)
+            for events in simulator.stream((frame.image, frame.t_us) for frame in frames_between):
+                writer.events(events)
         except (SourceError, ValueError) as error:
             where = "" if isinstance(error, SourceError) else f"{job.source.shown}, frame {frames}: "
             kept = f"the {writer.event_count} events before it are kept in {job.output}"

@@ -21,6 +21,7 @@ from voltcam_video import Frame, Image, along_cubic, along_flow, fit, follows
 
 from .camera_settings import Upsample
 from .compiling import CompiledEffects
+from .cores import threads_for
 from .interval import How, Interval, SimulationSetup, Start
 from .mailbox import Arrival
 from .overload import TOO_FAST, Load, OverloadSettings, coarser
@@ -64,7 +65,8 @@ class Simulation:
         self.fault = ""  # why the last unusable frame was one
         self._compiled = CompiledEffects(law)
         self.prepare(camera.parameters)
-        self._simulator = Simulator(camera.width, camera.height, camera.parameters, law, seed)
+        size = camera.width, camera.height
+        self._simulator = Simulator(*size, camera.parameters, law, seed, threads_for(*size))
         self._changes = ParameterChanges(self._simulator)
         self._upsample: Upsample = upsample
         self._next: Arrival | None = None  # with "cubic": what comes after the frame at hand

@@ -13,6 +13,7 @@ from voltcam_client.formats import Recording, read
 from voltcam_simulator import Limits, Parameters, Simulator
 from voltcam_video import Frame, along_flow
 
+from .cores import threads_for
 from .manifest import Manifest, paths_of, software
 from .problems import UsageError
 
@@ -80,7 +81,10 @@ def _again(
     head = manifest.head
     assert t_us is not None
     parameters = Parameters.model_validate(head["parameters"])
-    simulator = Simulator(head["width"], head["height"], parameters, head["law"], head["seed"])
+    simulator = Simulator(
+        head["width"], head["height"], parameters, head["law"], head["seed"],
+        threads_for(head["width"], head["height"]),
+    )  # fmt: skip
     with np.load(paths_of(path)[1], allow_pickle=False) as state:
         former: Frame | None = None
         if state.files:

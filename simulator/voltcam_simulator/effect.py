@@ -189,6 +189,9 @@ class Effect(BaseModel):
     """True for one that adds the same in each microsecond while the frames stand still, whatever was before,
     and leaves voltages alone: when all that are on are steady, rows that stand still are drawn ahead."""
 
+    feeds_back: ClassVar[bool] = False
+    """True for one whose `report` changes the pixels' voltages."""
+
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
         super().__pydantic_init_subclass__(**kwargs)
