@@ -59,9 +59,7 @@ def convert(job: Conversion) -> str:
 
 def _simulate(source: Source, job: Conversion, stop: threading.Event) -> str:
     width, height = job.camera.width, job.camera.height
-    simulator = Simulator(
-        width, height, job.camera.parameters, job.law, job.seed, threads_for(width, height)
-    )
+    simulator = Simulator(width, height, job.camera.parameters, job.law, job.seed, threads_for(width, height))
     frames, began_s = 0, time.monotonic()
 
     def fitted() -> Iterator[Frame]:

@@ -6,8 +6,8 @@ away as exp(-a x), x the share of the step and a = `Bend.rate`. With q = 1 - exp
     x_i = -(2/a) ln(1 - q i/(n - 0.31 q)),  i = 1..n - 1
 
 are dense where the path is bent: n pieces all leave their chords by the same, C q^2/2/(n - 0.31 q)^2 for a
-transient of size C at the start, to a few per cent. (Knots go as the square root of the curvature; 0.31 is for
-the last piece, which has all of the tail.) How few pieces do follows from it in closed form.
+transient of size C at the start, to a few per cent. (Knots go as the square root of the curvature; 0.31 is
+for the last piece, which has all of the tail.) How few pieces do follows from it in closed form.
 """
 
 from typing import Any

@@ -32,9 +32,9 @@ def accumulate(
 ) -> Any:  # fmt: skip
     """Let drift and noise gather where no threshold is within reach, but not in rows that are drawn ahead.
 
-    Called as accumulate(*pixels, *motion, bow, span_us, width, ahead, near, bent), see `groups`. ahead (rows,)
-    bool. near and bent (n + 1,) int32 receive the numbers of the other pixels, which stay as they were: those
-    whose mean path is straight, and those where it is not. Returns how many each are.
+    Called as accumulate(*pixels, *motion, bow, span_us, width, ahead, near, bent), see `groups`.
+    ahead (rows,) bool. near and bent (n + 1,) int32 receive the numbers of the other pixels, which stay as
+    they were: those whose mean path is straight, and those where it is not. Returns how many each are.
     """
     span, row, straight, curved = np.float32(span_us), 0, 0, 0
     while row < ahead.shape[0]:

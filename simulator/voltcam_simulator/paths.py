@@ -140,7 +140,14 @@ def draw_ends(pixels: Any, paths: Any, careful: Any, scratch: Any) -> None:
     """
     places, n = paths.places, paths.places.shape[0]
     begin, until, left, free = paths.begin_us, paths.end_us, paths.left_us, paths.free_us
-    start, end, a, b, drift, noise2 = paths.start, paths.end, paths.above, paths.below, paths.drift, paths.noise2
+    start, end, a, b, drift, noise2 = (
+        paths.start,
+        paths.end,
+        paths.above,
+        paths.below,
+        paths.drift,
+        paths.noise2,
+    )
     voltage, pending = scratch[0, :n], scratch[1, :n]
     gather(pixels.voltage, places, voltage)
     gather(pixels.pending, places, pending)

@@ -54,9 +54,7 @@ def follow_kicked(
             if stays_inside(x, y, pixel.above, pixel.below, variance):
                 x, now = y, until
             else:
-                state, written, x, now = follow(
-                    state, x, y, now, until, pixel, reset, cuts, keys, written
-                )
+                state, written, x, now = follow(state, x, y, now, until, pixel, reset, cuts, keys, written)
                 if written < 0:
                     return written, x, now
         if kick < last and now <= until:  # in its dead time a pixel memorises the kick

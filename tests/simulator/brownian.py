@@ -37,17 +37,26 @@ def crossings(
 
 
 def bent_path(drift: float, transient: float, rate: float, share: Floats) -> Floats:
-    """The mean path from 0 to drift, at shares of the second: transient exp(-rate share) and a straight line."""
+    """The mean path from 0 to drift, at shares of the second: a line and transient exp(-rate share)."""
     curve = np.exp(-rate * share)
     return np.asarray(drift * share + transient * (curve - 1 + share * (1 - np.exp(-rate))))
 
 
 def fine_steps(
-    n: int, start: float, drift: float | Floats, noise: float, above: float, below: float, steps: int,
+    n: int,
+    start: float,
+    drift: float | Floats,
+    noise: float,
+    above: float,
+    below: float,
+    steps: int,
     seed: int = 2,
 ) -> tuple[NDArray[np.int64], Floats, NDArray[np.bool_], Floats]:
-    """The same by brute force; drift may be the mean path at the ends of all steps. Barriers are moved inwards by .5826 standard deviations of a step, which takes
-    out the leading error of looking at discrete times only (Broadie, Glasserman and Kou 1997)."""
+    """The same by brute force; drift may be the mean path at the ends of all steps.
+
+    Barriers are moved inwards by .5826 standard deviations of a step, which takes out the leading error of
+    looking at discrete times only (Broadie, Glasserman and Kou 1997).
+    """
     rng = np.random.default_rng(seed)
     voltage = np.full(n, start)
     gained = np.diff(drift, prepend=0.0) if isinstance(drift, np.ndarray) else np.full(steps, drift / steps)

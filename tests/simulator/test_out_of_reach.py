@@ -7,7 +7,6 @@ from voltcam_simulator.effect import Plane
 from voltcam_simulator.groups import Motion, Pixels
 from voltcam_simulator.out_of_reach import accumulate
 
-
 N, SPAN_US = 5000, 1000.0
 Moving = tuple[Pixels, Motion, NDArray[np.bool_]]
 

@@ -9,6 +9,7 @@ from ..bends import depth, fading
 from ..effect import About, Band, Effect, Sensor, State, quantity
 from ..kernel import kernel
 
+
 class PhotoreceptorBandwidth(Effect):
     """Low pass of the logarithmic response: cutoff_hz (L + dark_dn)/(reference_dn + dark_dn), follower_hz.
 

@@ -99,9 +99,9 @@ def events_of(light: Floats, first_us: int, last_us: int, **bandwidth: float) ->
 def test_a_long_frame_does_as_400_short_ones(
     bandwidth: dict[str, float], first: float, last: float, off: float, off_at_end: float, span_us: int
 ) -> None:
-    """Light that begins to change, its logarithm in a straight line from there on: a bend by all of its slope.
-    Allowed are shares of the way, where the speed of the pixel doubles or halves and where it grows or falls
-    fivefold; up to three times that with a second pole, and half a millisecond for the straight pieces of the path."""
+    """Light that begins to change, its logarithm in a straight line from there on: a bend by all of its
+    slope. Allowed are shares of the way, where the speed of the pixel doubles or halves and where it grows or
+    falls fivefold; up to three times that with a second pole. Half a millisecond is for straight pieces."""
     begin = 10_000
     found = []
     for frames in (1, 400):

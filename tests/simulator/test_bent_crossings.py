@@ -24,7 +24,10 @@ def bent(
     above: float = 1.0, below: float = 1.0, held_us: float = 0.0, dead_us: float = 0.0,
     kick: tuple[float, float] | None = None, room: int = 200_000,
 ) -> Found:  # fmt: skip
-    """n pixels over one second by the kernel, see `bent_path`: (pixel, time [s], ON?) of all events, and the pixels after."""
+    """n pixels over one second by the kernel, their mean as `bent_path`.
+
+    Returns (pixel, time [s], ON?) of all events, and the pixels afterwards.
+    """
     pixels = Pixels(*(np.full(n, level, np.float32) for level in (start, 0, held_us, above, below)))
     size = 0.0 if kick is None else kick[1]
     motion = Motion(*(np.full(n, v, np.float32) for v in (drift + size, noise / np.sqrt(SPAN_US))))
