@@ -66,6 +66,14 @@ class Control:
         """The parameters' JSON schema: unit, limits and meaning of each."""
         return self._request("GET", "/parameters/schema")
 
+    def biases(self) -> Json:
+        """The biases of a DAVIS that gives the parameters of now: `{"ONBn_coarse": 6, "ONBn_fine": 200, ...}`."""
+        return self._request("GET", "/biases")
+
+    def set_biases(self, changes: Mapping[str, int]) -> Json:
+        """Change biases, named as drivers of a DAVIS name them, and the parameters that depend on them."""
+        return self._request("PATCH", "/biases", dict(changes))
+
     def source(self) -> Json:
         """What the camera looks at."""
         return self._request("GET", "/source")

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict
@@ -10,6 +11,7 @@ from pydantic import BaseModel, ConfigDict
 from voltcam_simulator import Camera, Law, Parameters
 from voltcam_video import Clock, SourceError
 
+from .bias_panel import BiasPanel
 from .camera_settings import CameraSettings, EncodingName, check_encoding
 from .diagnosis import DiagnosisRunner
 from .emulator import Emulator
@@ -123,6 +125,11 @@ class RunningCamera:
         )
         diagnosis = DiagnosisRunner(emulator, zeromq.endpoint)
         return cls(plan, emulator, diagnosis, websockets, zeromq.endpoint, transports)
+
+    @cached_property
+    def biases(self) -> BiasPanel:
+        """What drivers of a DAVIS set: the camera file is the camera at the usual biases."""
+        return BiasPanel(self.plan.camera.parameters)
 
     def start(self) -> None:
         """Open the source, and go. Raises UsageError; `stop` is due in any case."""
