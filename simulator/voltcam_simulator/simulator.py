@@ -1,8 +1,7 @@
 """The simulator: frames one by one in, time-sorted events out, every pixel's voltage kept between them."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +16,7 @@ from .kernel import kernel
 from .law import Law
 from .limits import GivenUpError, Limits
 from .parameters import Parameters
-from .pixel_array import PixelArray
+from .pixel_array import PixelArray, nothing
 from .workspace import Keys
 
 NO_LIMITS = Limits()
@@ -149,28 +148,36 @@ class Simulator:
             for frame, t_us in frames:
                 yield self.advance(frame, t_us)
             return
-        former: Future[Events] | None = None
-        with ThreadPoolExecutor(1, "voltcam-stages") as behind:
-            try:
-                for frame, t_us in frames:
-                    if self._frame is None:
-                        yield self.advance(frame, t_us)
-                        continue
-                    image = self._checked(frame)
-                    drawn = self._drawn(image, t_us, NO_LIMITS)
-                    self._reached(image, t_us)
-                    done, former = former, behind.submit(self._reported, drawn)
-                    if done is not None:
-                        yield done.result()
-            except Exception:
-                if former is not None:
-                    yield former.result()
-                raise
-            if former is not None:
-                yield former.result()
+        behind: list[Drawn] = []  # one at most, as of done
+        done: list[Events] = []
 
-    def _drawn(self, image: Image, t_us: int, limits: Limits) -> Drawn:
-        """All pixels at the next frame. Raises ValueError, with nothing changed; GivenUpError."""
+        def report() -> None:
+            while behind:
+                done.append(self._reported(behind.pop()))
+
+        try:
+            for frame, t_us in frames:
+                if self._frame is None:
+                    yield self.advance(frame, t_us)
+                    continue
+                image = self._checked(frame)
+                drawn = self._drawn(image, t_us, NO_LIMITS, report)
+                self._reached(image, t_us)
+                behind.append(drawn)
+                while done:
+                    yield done.pop()
+        except Exception:
+            report()
+            yield from done
+            raise
+        report()
+        yield from done
+
+    def _drawn(
+        self, image: Image, t_us: int, limits: Limits, meanwhile: Callable[[], None] = nothing
+    ) -> Drawn:
+        """All pixels at the next frame, with something else done meanwhile. Raises ValueError, with nothing
+        changed or done; GivenUpError."""
         assert self._frame is not None
         span_us = t_us - self._t_us
         if span_us <= 0:
@@ -179,7 +186,7 @@ class Simulator:
             raise ValueError(f"{span_us / 3.6e9:.0f} hours between two frames: at most 38 are possible")
         self._pixels.limits = limits
         self._pixels.look(self._frame, image, float(span_us))
-        self._steps(self._frame.ravel(), image.ravel(), span_us, limits.coarser)
+        self._steps(self._frame.ravel(), image.ravel(), span_us, limits.coarser, meanwhile)
         light = self._pixels.light if self._threads == 1 else self._pixels.light.copy()
         return Drawn(self._pixels.take_keys(), self._t_us, t_us, self._intervals, light)
 
@@ -236,7 +243,9 @@ class Simulator:
             name.removeprefix(begin): saved[name].astype(EVENT) for name in saved if name.startswith(begin)
         }
 
-    def _steps(self, before: Image, after: Image, span_us: int, coarser: float) -> None:
+    def _steps(
+        self, before: Image, after: Image, span_us: int, coarser: float, meanwhile: Callable[[], None]
+    ) -> None:
         """The interval in steps that are short enough for every effect; light goes in a straight line."""
         steps = min(max(1, math.ceil(span_us / (self._pixels.longest_step_us * coarser))), span_us)
         start = 0
@@ -246,8 +255,8 @@ class Simulator:
             if step < steps:
                 share = np.float32(end / span_us)
                 image = ((1 - share) * before + share * after).astype(np.float32, copy=False)
-            self._pixels.step(image, self._t_us, float(start), float(end - start))
-            start = end
+            self._pixels.step(image, self._t_us, float(start), float(end - start), meanwhile)
+            start, meanwhile = end, nothing
 
     def _checked(self, frame: ArrayLike) -> Image:
         """The frame as an own (height, width) array, uint8 or float32."""
