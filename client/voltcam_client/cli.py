@@ -32,7 +32,10 @@ OWN_COMMANDS = {
     "listen": ("print the rates, losses and latency of a running camera", cli_listen.configure),
     "record": ("record a running camera into a file", cli_record.configure),
     "status": ("print what a running daemon says of itself", cli_status.configure),
-    "biases": ("print, set, save or load the biases of a running camera, as of a DAVIS", cli_biases.configure),
+    "biases": (
+        "print, set, save or load the biases of a running camera, as of a DAVIS",
+        cli_biases.configure,
+    ),
     "keys": ("make keys that open a camera's stream to few", cli_keys.configure),
 }
 

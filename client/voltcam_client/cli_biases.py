@@ -1,4 +1,4 @@
-"""`voltcam biases`: the bias currents of a running camera, by the names that drivers of a DAVIS have for them."""
+"""`voltcam biases`: the bias currents of a running camera, by the names that drivers of a DAVIS have."""
 
 import argparse
 from pathlib import Path
@@ -23,7 +23,9 @@ What each does: the page "Biases of a DAVIS" of the documentation, or /api/v1/do
     parser.add_argument("changes", metavar="NAME=NUMBER", nargs="*", help="a bias to set")
     parser.add_argument("--url", default=default, help=f"where the daemon is (default: {default})")
     parser.add_argument("--camera", help="which, of a daemon that has several")
-    parser.add_argument("--load", type=Path, metavar="FILE", help="set those in the file: `NAME: NUMBER` a line")
+    parser.add_argument(
+        "--load", type=Path, metavar="FILE", help="set those in the file: `NAME: NUMBER` a line"
+    )
     parser.add_argument("--save", type=Path, metavar="FILE", help="write all of them, after what is set")
     parser.set_defaults(run=_biases)
 

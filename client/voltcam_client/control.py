@@ -67,7 +67,7 @@ class Control:
         return self._request("GET", "/parameters/schema")
 
     def biases(self) -> Json:
-        """The biases of a DAVIS that gives the parameters of now: `{"ONBn_coarse": 6, "ONBn_fine": 200, ...}`."""
+        """The biases of a DAVIS with the parameters of now: `{"ONBn_coarse": 6, "ONBn_fine": 200, ...}`."""
         return self._request("GET", "/biases")
 
     def set_biases(self, changes: Mapping[str, int]) -> Json:

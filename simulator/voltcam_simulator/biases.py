@@ -21,10 +21,10 @@ from .parameters import Parameters
 
 COARSE_STEP = 8.0
 SMALLEST_FINE = 0.5
-"""What fine 0 is taken for: a mirror that is off leaks. Ours; with it the usual OFFBn and ONBn of the drivers
+"""What fine 0 is taken for: a mirror that is off leaks. Ours; with it usual OFFBn and ONBn of the drivers
 give thresholds of like size, ln(78) and ln(328)."""
 FOLLOWER_HZ = 3000.0
-"""The source follower's speed at the usual PrSFBp, where the camera says no limit: kHz, as in the registry."""
+"""The source follower's speed at the usual PrSFBp, where the camera says no limit: kHz, see the registry."""
 
 
 class Bias(NamedTuple):
@@ -83,8 +83,8 @@ def _fields() -> dict[str, Any]:
     for name, usual in USUAL.items():
         for part, most in (("coarse", 7), ("fine", 255)):
             meaning = f"{MEANING[name]}; {part} part"
-            limits = {"ge": 0, "le": most, "strict": True}
-            fields[f"{name}_{part}"] = (int, Field(getattr(usual, part), description=meaning, **limits))
+            default: int = getattr(usual, part)
+            fields[f"{name}_{part}"] = (int, Field(default, ge=0, le=most, strict=True, description=meaning))
     return fields
 
 
@@ -124,24 +124,27 @@ def changes_for(biases: BiasSet, camera: Parameters) -> dict[str, Any]:
 def biases_of(now: Parameters, camera: Parameters, last: BiasSet) -> BiasSet:
     """The biases of a camera with parameters `now`, which has those of `camera` at the usual biases.
 
-    Those that were set last stay as they were set where they give the parameters of now; others are the
-    nearest to what gives them.
+    Those that were set last stay as they were set where they give the parameters of now, or where the camera
+    is without what they scale; others are the nearest to what gives them.
     """
     diff = last.of("DiffBn").current
-    wanted = {
-        "ONBn": diff * math.exp(_ratio(now, camera, "comparator", "theta_on") * _usual_log("ONBn")),
-        "OFFBn": diff * math.exp(_ratio(now, camera, "comparator", "theta_off") * _usual_log("OFFBn")),
-        "RefrBp": USUAL["RefrBp"].current / _ratio(now, camera, "refractory_period", "period_us"),
-        "PrBp": USUAL["PrBp"].current * _ratio(now, camera, "photoreceptor_bandwidth", "cutoff_hz"),
-        "PrSFBp": USUAL["PrSFBp"].current
-        * _ratio(now, camera, "photoreceptor_bandwidth", "follower_hz", FOLLOWER_HZ),
+    on, off, dead, fast, follow = (
+        _ratio(now, camera, *place)
+        for place in (
+            ("comparator", "theta_on"), ("comparator", "theta_off"), ("refractory_period", "period_us"),
+            ("photoreceptor_bandwidth", "cutoff_hz"), ("photoreceptor_bandwidth", "follower_hz", FOLLOWER_HZ),
+        )
+    )  # fmt: skip
+    currents = {
+        "ONBn": diff * math.exp((on or 1) * _usual_log("ONBn")),
+        "OFFBn": diff * math.exp((off or 1) * _usual_log("OFFBn")),
+        "RefrBp": USUAL["RefrBp"].current / dead if dead else None,
+        "PrBp": USUAL["PrBp"].current * fast if fast else None,
+        "PrSFBp": USUAL["PrSFBp"].current * follow if follow else None,
     }
-    found = {"DiffBn": last.of("DiffBn")} | {
-        name: _nearest(current, last.of(name)) for name, current in wanted.items()
-    }
-    return Biases(
-        **{f"{name}_{part}": getattr(bias, part) for name, bias in found.items() for part in Bias._fields}
-    )
+    found = {name: _nearest(current, last.of(name)) for name, current in currents.items()}
+    found["DiffBn"] = last.of("DiffBn")
+    return Biases(**{f"{name}_{part}": getattr(found[name], part) for name in USUAL for part in Bias._fields})
 
 
 def with_changes(biases: BiasSet, changes: Mapping[str, Any]) -> BiasSet:
@@ -159,17 +162,19 @@ def _usual_log(name: str) -> float:
 
 
 def _ratio(now: Parameters, camera: Parameters, effect: str, name: str, otherwise: float = 0.0) -> float:
-    """A parameter over the camera's, which is `otherwise` where it is 0; 1 where it is off in both, or now."""
-    value = getattr(getattr(now, effect), name)
-    usual = getattr(getattr(camera, effect), name) or otherwise
-    return value / usual if value > 0 and usual > 0 else 1.0
+    """A parameter over the camera's, which is `otherwise` where it is 0; 0 where there is no ratio."""
+    value: float = getattr(getattr(now, effect), name)
+    usual: float = getattr(getattr(camera, effect), name) or otherwise
+    return float(value / usual) if value > 0 and usual > 0 else 0.0
 
 
-def _nearest(current: float, last: Bias) -> Bias:
-    """The bias nearest to a current; the last one if that gives it."""
-    if math.isclose(last.current, current, rel_tol=1e-5):
+def _nearest(current: float | None, last: Bias) -> Bias:
+    """The bias nearest to a current; the last one if that gives it, or if nothing is known of it."""
+    if current is None or math.isclose(last.current, current, rel_tol=1e-5):
         return last
     found = [
         Bias(coarse, min(max(round(current / COARSE_STEP**coarse * 256), 1), 255)) for coarse in range(8)
     ]
-    return min(found, key=lambda bias: (abs(math.log(bias.current / current)), abs(bias.coarse - last.coarse)))
+    return min(
+        found, key=lambda bias: (abs(math.log(bias.current / current)), abs(bias.coarse - last.coarse))
+    )

@@ -23,7 +23,7 @@ from voltcam_simulator import Camera
 
 LIMIT_S = 240
 PAGES = pages()
-LIVE = re.compile(r"(127\.0\.0\.1|localhost):[58]560|voltcam (listen|record|status)")
+LIVE = re.compile(r"(127\.0\.0\.1|localhost):[58]560|voltcam (listen|record|status|biases)")
 
 
 def name_of(page: Path) -> str:

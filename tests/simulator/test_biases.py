@@ -50,7 +50,9 @@ def test_no_bias_takes_a_parameter_beyond_its_limits() -> None:
     assert at(OFFBn_coarse=7).comparator.theta_off == 0.001
 
 
-@pytest.mark.parametrize("changes", [{"ONBn_fine": 256}, {"OnBn_fine": 3}, {"PrBp_coarse": True}, {"PrBp_fine": 2.5}])
+@pytest.mark.parametrize(
+    "changes", [{"ONBn_fine": 256}, {"OnBn_fine": 3}, {"PrBp_coarse": True}, {"PrBp_fine": 2.5}]
+)
 def test_what_is_no_bias_is_refused(changes: dict[str, Any]) -> None:
     with pytest.raises(ValidationError, match=next(iter(changes))):
         with_changes(Biases(), changes)
@@ -59,11 +61,16 @@ def test_what_is_no_bias_is_refused(changes: dict[str, Any]) -> None:
 CHANGES = st.fixed_dictionaries(
     {},
     optional={
-        "DiffBn_fine": st.integers(20, 80), "ONBn_fine": st.integers(2, 255), "OFFBn_fine": st.integers(0, 19),
-        "PrBp_coarse": st.integers(0, 4), "PrBp_fine": st.integers(0, 255), "PrSFBp_fine": st.integers(0, 255),
-        "RefrBp_coarse": st.integers(2, 6), "RefrBp_fine": st.integers(16, 255),
+        "DiffBn_fine": st.integers(20, 80),
+        "ONBn_fine": st.integers(2, 255),
+        "OFFBn_fine": st.integers(0, 19),
+        "PrBp_coarse": st.integers(0, 4),
+        "PrBp_fine": st.integers(0, 255),
+        "PrSFBp_fine": st.integers(0, 255),
+        "RefrBp_coarse": st.integers(2, 6),
+        "RefrBp_fine": st.integers(16, 255),
     },
-)  # fmt: skip
+)
 
 
 @given(CHANGES)
@@ -89,6 +96,8 @@ def test_an_effect_that_a_camera_is_without_stays_off() -> None:
     paper = Parameters.of("paper")
     changed = paper.changed(changes_for(with_changes(Biases(), {"PrBp_fine": 9, "RefrBp_fine": 9}), paper))
     assert changed == paper
+    last = with_changes(Biases(), {"PrBp_fine": 9, "RefrBp_fine": 9})
+    assert biases_of(paper, paper, last) == last
 
 
 def test_a_number_may_be_written_with_a_point() -> None:
