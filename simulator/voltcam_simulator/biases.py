@@ -128,13 +128,12 @@ def biases_of(now: Parameters, camera: Parameters, last: BiasSet) -> BiasSet:
     is without what they scale; others are the nearest to what gives them.
     """
     diff = last.of("DiffBn").current
-    on, off, dead, fast, follow = (
-        _ratio(now, camera, *place)
-        for place in (
-            ("comparator", "theta_on"), ("comparator", "theta_off"), ("refractory_period", "period_us"),
-            ("photoreceptor_bandwidth", "cutoff_hz"), ("photoreceptor_bandwidth", "follower_hz", FOLLOWER_HZ),
-        )
-    )  # fmt: skip
+    low_pass = "photoreceptor_bandwidth"
+    on = _ratio(now, camera, "comparator", "theta_on")
+    off = _ratio(now, camera, "comparator", "theta_off")
+    dead = _ratio(now, camera, "refractory_period", "period_us")
+    fast = _ratio(now, camera, low_pass, "cutoff_hz")
+    follow = _ratio(now, camera, low_pass, "follower_hz", FOLLOWER_HZ)
     currents = {
         "ONBn": diff * math.exp((on or 1) * _usual_log("ONBn")),
         "OFFBn": diff * math.exp((off or 1) * _usual_log("OFFBn")),
@@ -154,7 +153,7 @@ def with_changes(biases: BiasSet, changes: Mapping[str, Any]) -> BiasSet:
 
 def _within_limits(effect: BaseModel, name: str, value: float) -> float:
     limits = type(effect).model_json_schema()["properties"][name]
-    return min(max(value, limits.get("minimum", -math.inf)), limits.get("maximum", math.inf))
+    return float(min(max(value, limits.get("minimum", -math.inf)), limits.get("maximum", math.inf)))
 
 
 def _usual_log(name: str) -> float:
