@@ -40,7 +40,7 @@ def record_what(
         thread.join(10)
 
 
-@pytest.mark.parametrize("suffix", [".npz", ".raw", ".csv", ".txt"])
+@pytest.mark.parametrize("suffix", [".npz", ".raw", ".csv", ".txt", ".aedat4"])
 def test_every_event_is_in_the_file(publisher: Any, make_packet: Any, tmp_path: Path, suffix: str) -> None:
     packets = [make_packet(seq, 50) for seq in range(40)]
     path = tmp_path / f"run{suffix}"

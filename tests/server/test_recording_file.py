@@ -29,14 +29,14 @@ def recorded(path: Path, frames: int = 4) -> tuple[RecordingFile, list[Interval]
     return file, intervals
 
 
-@pytest.mark.parametrize("suffix", [".npz", ".raw"])
+@pytest.mark.parametrize("suffix", [".npz", ".raw", ".aedat4"])
 def test_it_holds_and_counts_what_was_written(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"a{suffix}"
     file, intervals = recorded(path)
     events = np.concatenate([interval.events for interval in intervals])
-    images = sum(interval.image.size for interval in intervals) if suffix == ".npz" else 0
+    images = sum(interval.image.size for interval in intervals) if suffix != ".raw" else 0
     assert file.begun
-    assert (file.events, file.frames) == (events.size, 4 if suffix == ".npz" else 0)
+    assert (file.events, file.frames) == (events.size, 0 if suffix == ".raw" else 4)
     assert file.size_bytes == events.nbytes + images
     assert file.span_s == 0.03
     file.end("it was ended")

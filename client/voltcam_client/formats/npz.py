@@ -48,10 +48,7 @@ class NpzWriter(Writer):
             raise cannot_create(path, error) from error
 
     def frame(self, image: NDArray[np.uint8], t_us: int) -> None:
-        if image.shape != (self.height, self.width) or image.dtype != np.uint8:
-            raise ValueError(
-                f"a frame must be uint8 {(self.height, self.width)}, not {image.dtype} {image.shape}"
-            )
+        self._check_image(image)
         with self._writing():
             self._spool.append_frame(image, t_us)
 
