@@ -25,7 +25,7 @@ SOURCE_FIELDS = ("fit", "width", "height", "fps", "pixel_format")
 def serve(parser: argparse.ArgumentParser) -> None:
     """Arguments of `voltcam serve`."""
     parser.description = (
-        "Run the camera: live video in, events out over ZeroMQ and WebSocket, a page to watch."
+        "Run the camera: live video in, events out over ZeroMQ, WebSocket and DV, a page to watch."
     )
     parser.epilog = """\
 All but --record can also be in the config file and in the environment (VOLTCAM_LAW, VOLTCAM_SOURCE__URI,
@@ -58,6 +58,12 @@ examples:
     out = parser.add_argument_group("output")
     out.add_argument("--http", metavar="HOST:PORT", help="page, REST and WebSocket (default: 127.0.0.1:8560)")
     out.add_argument("--zmq", metavar="ENDPOINT", help="ZeroMQ (default: tcp://127.0.0.1:5560)")
+    out.add_argument(
+        "--dv",
+        metavar="HOST:PORT",
+        help="DV streams, for dv-processing: events there, frames on the next port; off: none "
+        "(default: 127.0.0.1:7777)",
+    )
     out.add_argument("--encoding", choices=get_args(EncodingName), help="of event packets (default: libcaer)")
     out.add_argument(
         "--burst",
@@ -150,11 +156,13 @@ def run_daemon(given: dict[str, Any], config: Path | None, record: str | None) -
     for name, each in settings.each().items():
         print(f"voltcam: {name} looking at {each.source.shown} ...", flush=True)
 
-    def banner(page: str, endpoints: dict[str, str]) -> None:
+    def banner(page: str, endpoints: dict[str, tuple[str, str | None]]) -> None:
         print(f"  page    {page}")
-        for name, zmq in endpoints.items():
+        for name, (zmq, dv) in endpoints.items():
             whose = f"of {name}; " if settings.cameras else ""
             print(f"  events  {zmq}  ({whose}to see them: voltcam listen {zmq})")
+            if dv is not None:
+                print(f"  DV      {dv}  ({whose}for dv-processing)")
         print("  Ctrl-C ends it", flush=True)
 
     run(settings, record, banner, read)
@@ -191,7 +199,7 @@ def _given(args: argparse.Namespace) -> dict[str, Any]:
     given = {key: value for key, value in vars(args).items() if value is not None}
     content: dict[str, Any] = {
         key: given[key]
-        for key in ("camera", "law", "seed", "upsample", "http", "zmq", "encoding")
+        for key in ("camera", "law", "seed", "upsample", "http", "zmq", "dv", "encoding")
         if key in given
     }
     source = {key: given[key] for key in SOURCE_FIELDS if key in given}

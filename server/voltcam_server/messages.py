@@ -23,12 +23,16 @@ HEADER_BYTES = 300  # about
 class Message:
     """Something to send.
 
-    topic: as on the wire. size: about how many bytes it is, before it is encoded.
+    topic: as on the wire. size: about how many bytes it is, before it is encoded. content: a Packet or a
+    FrameMessage, for a transport with an encoding of its own.
     """
 
-    def __init__(self, topic: bytes, size: int, encode: Callable[[str], tuple[bytes, ...]]) -> None:
+    def __init__(
+        self, topic: bytes, size: int, encode: Callable[[str], tuple[bytes, ...]], content: Any = None
+    ) -> None:
         self.topic = topic
         self.size = size
+        self.content = content
         self._encode = encode
         self._encoded: dict[str, tuple[bytes, ...]] = {}
         self._lock = threading.Lock()
@@ -47,11 +51,12 @@ def events_message(packet: Packet) -> Message:
         TOPIC_EVENTS,
         8 * packet.events.size + HEADER_BYTES,
         lambda encoding: encode_packet(replace(packet, encoding=encoding)),
+        packet,
     )
 
 
 def frame_message(frame: FrameMessage) -> Message:
-    return Message(TOPIC_FRAMES, frame.image.size + HEADER_BYTES, lambda _: encode_frame(frame))
+    return Message(TOPIC_FRAMES, frame.image.size + HEADER_BYTES, lambda _: encode_frame(frame), frame)
 
 
 def status_message(status: dict[str, Any]) -> Message:

@@ -66,6 +66,7 @@ THINGS: dict[str, Callable[[Path], None]] = {
     "*.txt": recording,
     "*.csv": recording,
     "*.raw": recording,
+    "*.aedat4": recording,
     "slider_depth": dataset,
     "voltcam.yaml": config_file,
     "robot.yaml": config_file,

@@ -1,0 +1,270 @@
+"""DV: dv-processing's NetworkReader is the reader; and what a slow, a rude or one reader too many costs."""
+
+import contextlib
+import importlib.util
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Self
+
+import httpx
+import numpy as np
+import pytest
+
+from voltcam_client import EventCamera
+from voltcam_client.dv.file import PACKET
+from voltcam_client.dv.packets import read_events, read_frame
+from voltcam_client.dv.streams import Stream, header_bytes, read_header
+from voltcam_client.packet import EVENT, TOPIC_EVENTS, FrameMessage, Packet
+from voltcam_server.messages import Message, events_message, frame_message, status_message
+from voltcam_server.problems import UsageError
+from voltcam_server.transports import DvTransport
+from voltcam_server.transports.dv import MOST_READERS
+from voltcam_server.transports.dv_reader import READER_BYTES
+
+from ..rig import PATIENCE_S, Daemon, until
+
+WIDTH, HEIGHT = 346, 260
+
+
+def packet(seq: int, count: int = 2) -> Packet:
+    events = np.zeros(count, EVENT)
+    events["t"], events["x"], events["p"] = 1000 * seq + np.arange(count), seq % WIDTH, seq % 2
+    return Packet(events=events, width=WIDTH, height=HEIGHT, seq=seq, time_base_ns=0, stamp_ns=1)
+
+
+@pytest.fixture
+def transport() -> Iterator[DvTransport]:
+    transport = DvTransport("127.0.0.1:0", WIDTH, HEIGHT, "EMU00001")
+    transport.start()
+    yield transport
+    transport.stop()
+
+
+def _port(transport: DvTransport) -> int:
+    return int(transport.address.rpartition(":")[2])
+
+
+@contextlib.contextmanager
+def _connected(transport: DvTransport, stream: int = 0) -> Iterator[socket.socket]:
+    """A reader by hand, taken in, its header read."""
+    with socket.create_connection(("127.0.0.1", _port(transport) + stream), PATIENCE_S) as connection:
+        address = "{}:{}".format(*connection.getsockname())
+        until(
+            lambda: address in {client.address for client in transport.status.clients},
+            "the reader is let in",
+        )
+        yield connection
+
+
+def _take(connection: socket.socket, size: int) -> bytes:
+    data = b""
+    while len(data) < size:
+        more = connection.recv(size - len(data))
+        assert more, "the connection has ended"
+        data += more
+    return data
+
+
+def _header(connection: socket.socket) -> bytes:
+    head = _take(connection, 4)
+    return head + _take(connection, int.from_bytes(head, "little"))
+
+
+def _packet(connection: socket.socket) -> bytes:
+    stream, size = PACKET.unpack(_take(connection, PACKET.size))
+    assert stream == 0
+    return _take(connection, size)
+
+
+class Reading:
+    """A process of dv-processing's NetworkReader; connected when made, a context manager that ends it."""
+
+    def __init__(self, kind: str, port: int, count: int, file: Path) -> None:
+        if importlib.util.find_spec("dv_processing") is None:
+            pytest.skip("dv-processing, the oracle, is not installed")
+        program = str(Path(__file__).with_name("network_reader.py"))
+        command = [sys.executable, program, kind, str(port), str(count), str(file)]
+        self.file = file
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        assert self.process.stdout is not None
+        self.name = self.process.stdout.readline().strip()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.process.kill()
+        self.process.communicate()
+
+    def result(self) -> dict[str, np.ndarray]:
+        self.process.communicate(timeout=2 * PATIENCE_S)
+        with np.load(self.file) as arrays:
+            return dict(arrays)
+
+
+def test_dv_processing_reads_every_event(transport: DvTransport, tmp_path: Path) -> None:
+    packets = [packet(seq, 1 + 37 * seq % 5000) for seq in range(200)]
+    expected = np.concatenate([each.events for each in packets])
+    with Reading("events", _port(transport), expected.size, tmp_path / "events.npz") as reading:
+        assert reading.name == "DAVIS346_EMU00001 of 346 x 260"
+        until(lambda: bool(transport.status.clients), "the reader is let in")
+        for each in packets:
+            transport.publish(events_message(each))
+        events = reading.result()["events"]
+    assert events.size == expected.size
+    for own, theirs in (("t", "timestamp"), ("x", "x"), ("y", "y"), ("p", "polarity")):
+        np.testing.assert_array_equal(events[theirs], expected[own])
+    until(lambda: transport.status.packets_sent == 200, "all are counted")
+
+
+def test_dv_processing_reads_every_frame(transport: DvTransport, tmp_path: Path) -> None:
+    images = np.random.default_rng(1).integers(0, 256, (3, HEIGHT, WIDTH), np.uint8)
+    with Reading("frames", _port(transport) + 1, 3, tmp_path / "frames.npz") as reading:
+        assert reading.name == "DAVIS346_EMU00001 of 346 x 260"
+        until(lambda: bool(transport.status.clients), "the reader is let in")
+        for seq, image in enumerate(images):
+            transport.publish(frame_message(FrameMessage(image=image, seq=seq, t_us=7000 + seq, stamp_ns=1)))
+        result = reading.result()
+    np.testing.assert_array_equal(result["images"], images)
+    assert result["t_us"].tolist() == [7000, 7001, 7002]
+
+
+def test_dv_processing_gets_the_events_that_our_own_client_gets(tmp_path: Path) -> None:
+    with Daemon("--dv", "127.0.0.1:0") as daemon:
+        port = int(str(daemon.get("camera")["dv"]).rpartition(":")[2])
+        ours, done = [], threading.Event()
+
+        def listen() -> None:
+            with EventCamera(daemon.zmq, timeout_s=PATIENCE_S) as camera:
+                for packet in camera:
+                    ours.append(packet.events)
+                    if done.is_set():
+                        return
+
+        listener = threading.Thread(target=listen)
+        listener.start()
+        until(lambda: len(ours) > 0, "our own client listens")
+        with Reading("events", port, 30_000, tmp_path / "events.npz") as reading:
+            theirs = reading.result()["events"]
+        until(lambda: ours[-1].size > 0 and ours[-1]["t"][-1] > theirs["timestamp"][-1], "ours has all")
+        done.set()
+        listener.join(PATIENCE_S)
+        transports = daemon.get("status")["transports"]
+        metrics = httpx.get(daemon.url + "metrics", trust_env=False).text
+    events = np.concatenate(ours)
+    first, last = theirs["timestamp"][[0, -1]]
+    events = events[(events["t"] > first) & (events["t"] < last)]
+    theirs = theirs[(theirs["timestamp"] > first) & (theirs["timestamp"] < last)]
+    assert events.size == theirs.size > 10_000
+    for own, their_name in (("t", "timestamp"), ("x", "x"), ("y", "y"), ("p", "polarity")):
+        np.testing.assert_array_equal(theirs[their_name], events[own])
+    assert transports["dv"]["packets_sent"] > 0
+    assert 'voltcam_packets_sent_total{camera="davis346",transport="dv"}' in metrics
+
+
+def test_each_stream_begins_with_its_header(transport: DvTransport) -> None:
+    for number, kind in enumerate(("EVTS", "FRME")):
+        stream = Stream(0, kind, "DAVIS346_EMU00001", (WIDTH, HEIGHT))
+        with _connected(transport, number) as reader:
+            header = _header(reader)
+        assert header == header_bytes([stream])
+        assert read_header(header).streams == (stream,)
+
+
+def test_a_port_has_its_stream_only(transport: DvTransport) -> None:
+    image = np.full((HEIGHT, WIDTH), 7, np.uint8)
+    with _connected(transport, 0) as events, _connected(transport, 1) as frames:
+        transport.publish(status_message({}))
+        transport.publish(frame_message(FrameMessage(image=image, seq=0, t_us=3, stamp_ns=1)))
+        transport.publish(events_message(packet(1)))
+        _header(events), _header(frames)
+        np.testing.assert_array_equal(read_events(_packet(events)), packet(1).events)
+        np.testing.assert_array_equal(read_frame(_packet(frames)).image, image)
+        topics = {client.topic for client in transport.status.clients}
+    assert topics == {"events", "frames"}
+
+
+def test_a_reader_that_stalls_costs_only_itself(transport: DvTransport) -> None:
+    """It misses whole packets, the oldest, and what waits for it is bounded; another gets all."""
+    count, size = 300, 16_384  # 79 MB
+    with _connected(transport) as stalled, _connected(transport) as quick:
+        _header(quick)
+        slow, fast = (transport.status.clients[i].address for i in (0, 1))
+        for seq in range(count):
+            transport.publish(events_message(packet(seq, size)))
+            assert read_events(_packet(quick))["t"][0] == 1000 * seq
+        by_address = {client.address: client for client in transport.status.clients}
+        assert by_address[fast].sent == count
+        assert by_address[fast].dropped == 0
+        dropped = by_address[slow].dropped
+        assert dropped > 0
+        assert transport.status.packets_dropped == dropped
+        _header(stalled)
+        seqs = [int(read_events(_packet(stalled))["t"][0]) // 1000 for _ in range(count - dropped)]
+    assert seqs == sorted(set(seqs))
+    assert seqs[-1] == count - 1
+    assert (seqs[-1] - seqs[0]) * size * 16 >= READER_BYTES
+
+
+def test_a_reader_that_has_left_is_forgotten(transport: DvTransport) -> None:
+    with _connected(transport) as reader:
+        _header(reader)
+        transport.publish(events_message(packet(0)))
+        _packet(reader)
+    until(lambda: not transport.status.clients, "it is forgotten")
+    assert transport.status.packets_sent == 1
+
+
+def test_who_speaks_is_no_reader(transport: DvTransport) -> None:
+    with _connected(transport) as rude, _connected(transport) as reader:
+        rude.sendall(b"GET / HTTP/1.1\r\n\r\n")
+        until(lambda: len(transport.status.clients) == 1, "it is let go")
+        transport.publish(events_message(packet(0)))
+        _header(reader)
+        assert read_events(_packet(reader)).size == 2
+
+
+def test_one_reader_too_many_is_not_let_in(transport: DvTransport, caplog: pytest.LogCaptureFixture) -> None:
+    with contextlib.ExitStack() as stack:
+        for _ in range(MOST_READERS):
+            stack.enter_context(_connected(transport))
+        with socket.create_connection(("127.0.0.1", _port(transport)), PATIENCE_S) as late:
+            assert late.recv(1) == b""
+        assert len(transport.status.clients) == MOST_READERS
+    assert "32 readers are here already" in caplog.text
+    until(lambda: not transport.status.clients, "all are forgotten")
+    with _connected(transport) as reader:
+        _header(reader)
+
+
+def test_what_nobody_reads_is_not_encoded(transport: DvTransport) -> None:
+    with _connected(transport, 1) as frames:
+        transport.publish(Message(TOPIC_EVENTS, 10, lambda _: (), content="no packet at all"))
+        transport.publish(
+            frame_message(FrameMessage(image=np.zeros((2, 2), np.uint8), seq=0, t_us=3, stamp_ns=1))
+        )
+        _header(frames)
+        assert read_frame(_packet(frames)).t_us == 3
+    assert transport.failure is None
+
+
+def test_ports_that_are_taken_are_named(transport: DvTransport) -> None:
+    for taken in (_port(transport), _port(transport) + 1):
+        with pytest.raises(
+            UsageError, match=f":{taken}: Address already in use: .* another with --dv"
+        ) as error:
+            DvTransport(f"127.0.0.1:{taken}", WIDTH, HEIGHT, "EMU00001")
+        assert "\n" not in str(error.value)
+
+
+def test_it_gives_its_ports_back() -> None:
+    first = DvTransport("127.0.0.1:0", WIDTH, HEIGHT, "EMU00001")
+    first.stop()  # without a start
+    again = DvTransport(first.address, WIDTH, HEIGHT, "EMU00001")
+    again.start()
+    again.stop()
+    DvTransport(first.address, WIDTH, HEIGHT, "EMU00001").stop()
