@@ -67,7 +67,10 @@ def record(
                 progress.events += packet.events.size
                 previous = packet
             while stream is not None and (frame := stream.receive(0)) is not None:
-                writer.frame(frame.image, frame.t_us)
+                if frame.exposure_us is None:
+                    writer.frame(frame.image, frame.t_us)
+                else:
+                    writer.aps_frame(frame.image, frame.exposure_us, frame.frame_us)
                 progress.frames += 1
             progress.lost_packets = camera.lost_packets
             progress.seconds = time.monotonic() - begin

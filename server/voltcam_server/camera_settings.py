@@ -11,6 +11,7 @@ from voltcam_client.errors import PacketError
 from voltcam_simulator import Camera, Law, Parameters
 from voltcam_video import SourceRequest
 
+from .beside import DavisSettings
 from .overload import OverloadSettings
 from .problems import UsageError, explain, one_line
 
@@ -100,6 +101,9 @@ class CameraSettings(BaseModel):
         default_factory=Parameters, description="changes to the camera's parameters, nested by effect"
     )
     packets: PacketSettings = Field(default_factory=PacketSettings, description="packets and their pace")
+    davis: DavisSettings = Field(
+        default_factory=DavisSettings, description="what a DAVIS gives beside its events"
+    )
     overload: OverloadSettings = Field(
         default_factory=OverloadSettings, description="bounds of what is simulated at a time"
     )

@@ -7,6 +7,8 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict
 
+from voltcam_client.packet import TOPIC_EVENTS, TOPIC_FRAMES
+from voltcam_client.samples import TOPIC_IMU, TOPIC_TRIGGERS
 from voltcam_simulator import Camera, Law, Parameters
 from voltcam_video import Clock, SourceError
 
@@ -132,6 +134,7 @@ class RunningCamera:
             upsample=settings.upsample,
             packets=settings.packets,
             overload=settings.overload,
+            davis=settings.davis,
             transports=transports,
             clock=around.clock,
             on_status=lambda status: around.on_status(plan.name, status),
@@ -182,7 +185,15 @@ def _dv_transport(plan: Plan) -> DvTransport | None:
     """Raises UsageError."""
     if plan.settings.dv == "off":
         return None
-    return DvTransport(plan.settings.dv, plan.camera.width, plan.camera.height, plan.serial)
+    davis = plan.settings.davis
+    there = {
+        TOPIC_EVENTS: True,
+        TOPIC_FRAMES: davis.frames != "off",
+        TOPIC_TRIGGERS: davis.triggers_hz > 0,
+        TOPIC_IMU: davis.imu_hz > 0,
+    }
+    topics = tuple(topic for topic, is_there in there.items() if is_there)
+    return DvTransport(plan.settings.dv, plan.camera.width, plan.camera.height, plan.serial, topics)
 
 
 class Cameras:

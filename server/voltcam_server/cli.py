@@ -13,12 +13,14 @@ from voltcam_simulator import Law, camera_names
 from voltcam_simulator.parameters import merged
 from voltcam_video import Fit
 
+from .beside import Frames
 from .camera_settings import EncodingName
 from .log import begin_log
 from .settings import load, parse_change
 from .settings import schema as config_schema
 
 CAMERA_HELP = f"{', '.join(camera_names())}, or a camera file (.yaml)"
+DAVIS_OPTIONS = {"frames": "frames", "imu": "imu_hz", "triggers": "triggers_hz"}
 SOURCE_FIELDS = ("fit", "width", "height", "fps", "pixel_format")
 
 
@@ -63,6 +65,16 @@ examples:
         metavar="HOST:PORT",
         help="DV streams, for dv-processing: events there, frames on the next port; off: none "
         "(default: 127.0.0.1:7777)",
+    )
+    out.add_argument(
+        "--frames",
+        choices=get_args(Frames),
+        help="those of the source, or as a DAVIS exposes them, at the times of the effect aps_coupling "
+        "(default: source)",
+    )
+    out.add_argument("--imu", metavar="HZ", help="samples per second of an IMU at rest (default: none)")
+    out.add_argument(
+        "--triggers", metavar="HZ", help="a square wave of so many Hz at the trigger input (default: none)"
     )
     out.add_argument("--encoding", choices=get_args(EncodingName), help="of event packets (default: libcaer)")
     out.add_argument(
@@ -212,6 +224,9 @@ def _given(args: argparse.Namespace) -> dict[str, Any]:
         source["pace"] = "fast"
     if source:
         content["source"] = source
+    davis = {name: given[key] for key, name in DAVIS_OPTIONS.items() if key in given}
+    if davis:
+        content["davis"] = davis
     if "burst" in given:
         content["packets"] = {"smooth": False}
     for text in args.set:

@@ -16,6 +16,7 @@ from voltcam_client.packet import (
     encode_frame,
     encode_packet,
 )
+from voltcam_client.samples import SamplesMessage, encode_samples
 
 HEADER_BYTES = 300  # about
 
@@ -23,8 +24,8 @@ HEADER_BYTES = 300  # about
 class Message:
     """Something to send.
 
-    topic: as on the wire. size: about how many bytes it is, before it is encoded. content: a Packet or a
-    FrameMessage, for a transport with an encoding of its own.
+    topic: as on the wire. size: about how many bytes it is, before it is encoded. content: a Packet, a
+    FrameMessage or a SamplesMessage, for a transport with an encoding of its own.
     """
 
     def __init__(
@@ -57,6 +58,11 @@ def events_message(packet: Packet) -> Message:
 
 def frame_message(frame: FrameMessage) -> Message:
     return Message(TOPIC_FRAMES, frame.image.size + HEADER_BYTES, lambda _: encode_frame(frame), frame)
+
+
+def samples_message(topic: bytes, samples: SamplesMessage) -> Message:
+    """Of the topic imu or triggers."""
+    return Message(topic, samples.samples.nbytes + HEADER_BYTES, lambda _: encode_samples(samples), samples)
 
 
 def status_message(status: dict[str, Any]) -> Message:

@@ -17,7 +17,7 @@ from voltcam_client.encodings import EVENT, Buffer, Events
 from voltcam_client.errors import PacketError
 from voltcam_client.formats.bounds import fits
 from voltcam_client.formats.library import grey, library, stacked
-from voltcam_client.formats.recording import FormatError, Recording, smallest_size
+from voltcam_client.formats.recording import FormatError, Recording, exposures_known, smallest_size
 
 DESCRIPTION = "iniVation AEDAT4, with frames and their exposures"
 MOST_PACKET_BYTES = 1 << 28  # uncompressed: no camera's are so large
@@ -35,7 +35,7 @@ def read_aedat4(path: Path) -> Recording:
     if not frames:
         return Recording(events, width, height)
     exposure_us = np.array([frame.exposure_us for frame in frames], np.int64)
-    known = bool((exposure_us[:, 1] > exposure_us[:, 0]).all())
+    known = exposures_known(exposure_us)
     t_us = exposure_us.sum(1) // 2 if known else np.array([frame.t_us for frame in frames], np.int64)
     images = stacked([grey(frame.image, "BGR") for frame in frames], path)
     return Recording(events, width, height, images, t_us, exposure_us=exposure_us if known else None)

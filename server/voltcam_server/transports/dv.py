@@ -16,9 +16,10 @@ from itertools import islice
 from typing import Any, ClassVar, NamedTuple
 
 from voltcam_client.dv.file import PACKET
-from voltcam_client.dv.packets import events_packet, frame_packet
+from voltcam_client.dv.packets import events_packet, frame_packet, imu_packet, triggers_packet
 from voltcam_client.dv.streams import Stream, camera_name, header_bytes
 from voltcam_client.packet import TOPIC_EVENTS, TOPIC_FRAMES, FrameMessage, Packet
+from voltcam_client.samples import TOPIC_IMU, TOPIC_TRIGGERS, SamplesMessage
 
 from ..listening import address_of, listen
 from ..messages import Message
@@ -40,7 +41,16 @@ def _events(packet: Packet) -> bytearray:
 
 
 def _frame(frame: FrameMessage) -> bytearray:
-    return bytearray(PACKET.size) + frame_packet(frame.image, (frame.t_us, frame.t_us))
+    exposure_us = frame.exposure_us or (frame.t_us, frame.t_us)
+    return bytearray(PACKET.size) + frame_packet(frame.image, exposure_us, frame.frame_us)
+
+
+def _imu(message: SamplesMessage) -> bytearray:
+    return bytearray(PACKET.size) + imu_packet(message.samples)
+
+
+def _triggers(message: SamplesMessage) -> bytearray:
+    return bytearray(PACKET.size) + triggers_packet(message.samples)
 
 
 class _Kind(NamedTuple):
@@ -54,6 +64,8 @@ class _Kind(NamedTuple):
 KINDS: dict[bytes, _Kind] = {
     TOPIC_EVENTS: _Kind(0, "EVTS", _events),
     TOPIC_FRAMES: _Kind(1, "FRME", _frame),
+    TOPIC_TRIGGERS: _Kind(2, "TRIG", _triggers),
+    TOPIC_IMU: _Kind(3, "IMUS", _imu),
 }
 
 

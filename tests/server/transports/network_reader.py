@@ -37,10 +37,28 @@ def frames(reader: dv.io.NetworkReader, count: int) -> dict[str, np.ndarray]:
     }
 
 
+def imu(reader: dv.io.NetworkReader, count: int) -> dict[str, np.ndarray]:
+    rows = []
+    while len(rows) < count and reader.isRunning():
+        for each in reader.getNextImuBatch() or ():
+            accel = (each.accelerometerX, each.accelerometerY, each.accelerometerZ)
+            gyro = (each.gyroscopeX, each.gyroscopeY, each.gyroscopeZ)
+            rows.append((each.timestamp, each.temperature, *accel, *gyro))
+    return {"samples": np.array(rows)}
+
+
+def triggers(reader: dv.io.NetworkReader, count: int) -> dict[str, np.ndarray]:
+    rows = []
+    while len(rows) < count and reader.isRunning():
+        rows += [(each.timestamp, each.type.value) for each in reader.getNextTriggerBatch() or ()]
+    return {"triggers": np.array(rows)}
+
+
 if __name__ == "__main__":
     kind, port, count, file = sys.argv[1:]
     reader = dv.io.NetworkReader("127.0.0.1", int(port))
-    size = reader.getEventResolution() if kind == "events" else reader.getFrameResolution()
+    size = reader.getEventResolution() or reader.getFrameResolution() or (0, 0)
     sys.stdout.write("{} of {} x {}\n".format(reader.getCameraName(), *size))
     sys.stdout.flush()
-    np.savez(file, **{"events": events, "frames": frames}[kind](reader, int(count)))
+    read = {"events": events, "frames": frames, "imu": imu, "triggers": triggers}[kind]
+    np.savez(file, **read(reader, int(count)))
