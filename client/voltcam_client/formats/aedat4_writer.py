@@ -34,6 +34,7 @@ class Aedat4Writer(Writer):
     """Packets as they come. The header names the streams that there are so far, and where the table is."""
 
     holds_frames = True
+    holds_samples = True
 
     def __init__(self, path: Path, width: int, height: int, *, overwrite: bool) -> None:
         super().__init__(path, width, height)

@@ -71,6 +71,7 @@ class Writer(ABC):
     """
 
     holds_frames: ClassVar[bool] = False
+    holds_samples: ClassVar[bool] = False  # of an IMU, and triggers
     longest_silence_us: ClassVar[int] = MAX_T_US
 
     def __init__(self, path: Path, width: int, height: int) -> None:

@@ -16,7 +16,13 @@ from itertools import islice
 from typing import Any, ClassVar, NamedTuple
 
 from voltcam_client.dv.file import PACKET
-from voltcam_client.dv.packets import events_packet, frame_packet, imu_packet, triggers_packet
+from voltcam_client.dv.packets import (
+    LARGEST_COORDINATE,
+    events_packet,
+    frame_packet,
+    imu_packet,
+    triggers_packet,
+)
 from voltcam_client.dv.streams import Stream, camera_name, header_bytes
 from voltcam_client.packet import TOPIC_EVENTS, TOPIC_FRAMES, FrameMessage, Packet
 from voltcam_client.samples import TOPIC_IMU, TOPIC_TRIGGERS, SamplesMessage
@@ -81,6 +87,9 @@ class DvTransport(Transport):
         self, address: str, width: int, height: int, serial: str, topics: tuple[bytes, ...] = tuple(KINDS)
     ) -> None:
         super().__init__()
+        if max(width, height) > LARGEST_COORDINATE + 1:
+            most = LARGEST_COORDINATE + 1
+            raise UsageError(f"DV holds {most} pixels a side, not {width} x {height}: give {OPTION} off")
         source = camera_name(width, height, serial)
         self._headers = {
             topic: header_bytes([Stream(0, KINDS[topic].name, source, _size(topic, width, height))])
@@ -174,7 +183,7 @@ class DvTransport(Transport):
 
     def _send(self, message: Message) -> None:
         readers = [reader for reader in self._readers if reader.topic == message.topic]
-        if not readers:
+        if not readers or _is_empty(message):
             return
         packet = KINDS[message.topic].encode(message.content)
         PACKET.pack_into(packet, 0, 0, len(packet) - PACKET.size)
@@ -199,6 +208,11 @@ class DvTransport(Transport):
         self._selector.close()
         self._wake.close()
         self._woken.close()
+
+
+def _is_empty(message: Message) -> bool:
+    """A packet without events says how time goes on. A camera of DV has none, and programs fail at one."""
+    return message.topic == TOPIC_EVENTS and message.content.events.size == 0
 
 
 def _size(topic: bytes, width: int, height: int) -> tuple[int, int] | None:

@@ -259,6 +259,19 @@ def test_a_port_has_its_stream_only(transport: DvTransport) -> None:
     assert topics == {"events", "frames"}
 
 
+def test_a_packet_without_events_is_left_out(transport: DvTransport) -> None:
+    with _connected(transport) as reader:
+        _header(reader)
+        for count in (0, 3, 0, 5):
+            transport.publish(events_message(packet(1, count)))
+        assert [read_events(_packet(reader)).size for _ in range(2)] == [3, 5]
+
+
+def test_a_sensor_that_the_records_cannot_hold_is_refused() -> None:
+    with pytest.raises(UsageError, match="DV holds 32768 pixels a side, not 40000 x 8: give --dv off"):
+        DvTransport("127.0.0.1:0", 40_000, 8, "EMU00001")
+
+
 def test_a_reader_that_stalls_costs_only_itself(transport: DvTransport) -> None:
     """It misses whole packets, the oldest, and what waits for it is bounded; another gets all."""
     count, size = 300, 16_384  # 79 MB
