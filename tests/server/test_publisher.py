@@ -137,8 +137,9 @@ def test_what_is_beside_events_leaves_with_them_in_order_of_time(transports: lis
     assert [frame.t_us for frame in kept.frames] == [START_US + 1025, START_US + 6025]
     assert kept.triggers == []
     publish.end_interval(asked)
-    publish.end_interval(interval(GREY))
     np.testing.assert_array_equal(np.concatenate([each.samples for each in kept.imu]), imu)
     assert [each.seq for each in kept.imu] == [0, 1]
     np.testing.assert_array_equal(kept.triggers[0].samples, triggers)
+    publish.end_interval(replace(interval(GREY), beside=Beside((), imu, triggers)))
+    assert [each.seq for each in kept.imu] == [0, 1, 2]
     assert len(kept.frames) == 2  # none of the source

@@ -131,6 +131,22 @@ def test_frames_and_exposures_are_read_back(tmp_path: Path, make_events, images)
     np.testing.assert_array_equal(recording.exposure_us, np.stack([times, times + 500], axis=1))
 
 
+def test_a_crash_leaves_frames_and_samples_too(tmp_path: Path, make_events, images) -> None:
+    """A file that is not closed names what it has."""
+    dv = pytest.importorskip("dv_processing", reason="dv-processing, the oracle, is not installed")
+    writer = open_writer(tmp_path / "a.aedat4", width=346, height=260)
+    writer.events(make_events(10, START_US))
+    for number, image in enumerate(images):
+        writer.frame(image, START_US + number)
+    writer.imu(np.array([(START_US, 25.5, (0, -1, 0), (1, 2, 3))], IMU))
+    (tmp_path / "crashed.aedat4").write_bytes((tmp_path / "a.aedat4").read_bytes())
+    writer.close()
+    np.testing.assert_array_equal(read(tmp_path / "crashed.aedat4").frames, images)
+    theirs = dv.io.MonoCameraRecording(str(tmp_path / "crashed.aedat4"))
+    assert theirs.getStreamNames() == ["events", "frames", "imu"]
+    np.testing.assert_array_equal(theirs.getNextFrame().image, images[0])
+
+
 def test_streams_that_hold_nothing_are_not_named(tmp_path: Path, make_events) -> None:
     """dv-processing takes a recording for ended as soon as one of its streams has nothing left."""
     dv = pytest.importorskip("dv_processing", reason="dv-processing, the oracle, is not installed")
