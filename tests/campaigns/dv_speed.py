@@ -60,6 +60,8 @@ def _reader(port: int, count: int) -> Iterator["subprocess.Popen[str]"]:
     command = [sys.executable, "-c", READER, str(port), str(count)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         try:
+            assert process.stdout is not None
+            assert process.stdout.readline() == "connected\n"
             yield process
         finally:
             process.kill()
@@ -85,13 +87,7 @@ def limit() -> float:
 
         threading.Thread(target=serve, daemon=True).start()
         with _reader(listener.getsockname()[1], EVENTS) as process:
-            return EVENTS / _result_after_connecting(process)[0]
-
-
-def _result_after_connecting(process: "subprocess.Popen[str]") -> list[float]:
-    assert process.stdout is not None
-    assert process.stdout.readline() == "connected\n"
-    return _result(process)
+            return EVENTS / _result(process)[0]
 
 
 def ours() -> float:
@@ -103,7 +99,7 @@ def ours() -> float:
             while seq - transport.status.packets_sent > AHEAD:
                 time.sleep(0.0002)
             transport.publish(events_message(_packet(seq, events)))
-        result = _result_after_connecting(process)
+        result = _result(process)
     transport.stop()
     assert transport.status.packets_dropped == 0
     return EVENTS / result[0]
@@ -121,7 +117,7 @@ def latency_us() -> tuple[float, float]:
             transport.publish(events_message(_packet(seq, events)))
             next_s += 0.001
             time.sleep(max(0.0, next_s - time.perf_counter()))
-        _, median, late = _result_after_connecting(process)
+        _, median, late = _result(process)
     transport.stop()
     return median, late
 

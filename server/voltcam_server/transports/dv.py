@@ -171,7 +171,8 @@ class DvTransport(Transport):
             self._let_go(reader)
             return
         waits = selectors.EVENT_READ if all_left else selectors.EVENT_READ | selectors.EVENT_WRITE
-        self._selector.modify(reader.socket, waits, partial(self._attend, reader))
+        if waits != self._selector.get_key(reader.socket).events:
+            self._selector.modify(reader.socket, waits, partial(self._attend, reader))
 
     def _let_go(self, reader: DvReader) -> None:
         self._selector.unregister(reader.socket)
