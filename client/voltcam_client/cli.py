@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from importlib import metadata
 from typing import Any
 
-from voltcam_client import cli_biases, cli_keys, cli_listen, cli_record, cli_status
+from voltcam_client import cli_biases, cli_dv, cli_keys, cli_listen, cli_record, cli_status
 
 SUMMARIES = {
     "serve": "run the camera: live video in, events out",
@@ -36,6 +36,7 @@ OWN_COMMANDS = {
         "print, set, save or load the biases of a running camera, as of a DAVIS",
         cli_biases.configure,
     ),
+    "dv": ("run a program of dv-processing on the emulator", cli_dv.configure),
     "keys": ("make keys that open a camera's stream to few", cli_keys.configure),
 }
 

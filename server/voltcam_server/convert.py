@@ -127,9 +127,14 @@ def _copy(recording: Recording, job: Conversion) -> str:
         last_us = _last_us(recording, job.seconds)
         writer.events(recording.events[recording.events["t"] <= last_us])
         if recording.frames is not None and recording.frame_t_us is not None:
-            for image, t_us in zip(recording.frames, recording.frame_t_us.tolist(), strict=True):
-                if t_us <= last_us:
-                    writer.frame(image, t_us)
+            for number, (image, t_us) in enumerate(zip(recording.frames, recording.frame_t_us, strict=True)):
+                if t_us > last_us:
+                    break
+                if recording.exposure_us is None:
+                    writer.frame(image, int(t_us))
+                else:
+                    begin_us, end_us = recording.exposure_us[number].tolist()
+                    writer.aps_frame(image, (begin_us, end_us))
     return f"{job.output}: {writer.event_count} events copied from {job.source.uri}, nothing simulated"
 
 

@@ -92,7 +92,7 @@ class Recorder:
 
     def put(self, interval: Interval) -> None:
         """Leave an interval; never waits."""
-        size = interval.events.nbytes + interval.image.nbytes
+        size = _size(interval)
         with self._changed:
             if self._closing or self._error is not None:
                 return
@@ -160,7 +160,7 @@ class Recorder:
             if not self._queue:
                 return None
             item = self._queue.popleft()
-            self._bytes -= item[1].events.nbytes + item[1].image.nbytes
+            self._bytes -= _size(item[1])
             return item
 
     def _write(self, start: Start | None, interval: Interval) -> None:
@@ -190,3 +190,9 @@ class Recorder:
     def _path_of(self, number: int) -> Path:
         path = self._plan.path
         return path.with_name(f"{path.stem}-{number:03}{path.suffix}")
+
+
+def _size(interval: Interval) -> int:
+    """Bytes that it keeps while it waits."""
+    aps = sum(frame.image.nbytes for frame in interval.beside.frames)
+    return interval.events.nbytes + interval.image.nbytes + aps

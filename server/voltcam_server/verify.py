@@ -44,6 +44,10 @@ def verify(path: Path) -> Verdict:
     recording = read(path)
     images = _images(path, recording)
     head = manifest.head
+    if head.get("recorded_frames", "source") != "source":
+        raise UsageError(
+            f"{path} has no frames of its source to make its events from: record --frames source"
+        )
     if head["upsample"] == "cubic":
         raise UsageError(f"{path} was made with --upsample cubic, which needs frames that are not in it")
     now = software()

@@ -22,7 +22,7 @@ def small_recordings(folder: Path) -> list[Path]:
     events["p"] = rng.random(400) < 0.5
     frames = rng.integers(0, 255, (3, 20, 20), np.uint8)
     paths = []
-    for suffix in (".npz", ".txt", ".csv", ".raw"):
+    for suffix in (".npz", ".txt", ".csv", ".raw", ".aedat4"):
         path = folder / f"seed{suffix}"
         with open_writer(path, width=20, height=20) as writer:
             writer.events(events)
@@ -50,7 +50,7 @@ def _aedat4(folder: Path, events: "np.ndarray") -> list[Path]:
     theirs = np.empty(events.size, faery.EVENTS_DTYPE)
     for name, their_name in (("t", "t"), ("x", "x"), ("y", "y"), ("p", "on")):
         theirs[their_name] = events[name]
-    path = folder / "seed.aedat4"
+    path = folder / "packed.aedat4"
     with aedat.Encoder(path, [tree], ("lz4", 1)) as encoder:
         encoder.write(0, theirs)
     return [path]

@@ -27,7 +27,7 @@ def job(source: str | Path, output: Path, camera: Camera | None = None) -> Conve
 
 
 @pytest.mark.parametrize("start_us", [0, 1_700_000_000_000_000])
-@pytest.mark.parametrize("suffix", [".npz", ".txt", ".csv", ".raw"])
+@pytest.mark.parametrize("suffix", [".npz", ".txt", ".csv", ".raw", ".aedat4"])
 def test_every_frame_is_simulated(tmp_path: Path, suffix: str, start_us: int) -> None:
     camera, output = tiny(), tmp_path / f"out{suffix}"
     frames = moving_frames(50, camera)

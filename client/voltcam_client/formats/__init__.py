@@ -12,7 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
-from voltcam_client.formats import aedat4, csv, hdf5, npz, raw, rosbag, spool, txt
+from voltcam_client.formats import aedat4, aedat4_writer, csv, hdf5, npz, raw, rosbag, spool, txt
 from voltcam_client.formats.bounds import whole
 from voltcam_client.formats.recording import (
     LONGEST_SIDE,
@@ -45,11 +45,11 @@ _FORMATS: dict[str, tuple[str, _OpenWriter, Callable[[Path], Recording]]] = {
     ".txt": (txt.DESCRIPTION, txt.TxtWriter, txt.read_txt),
     ".csv": (csv.DESCRIPTION, csv.CsvWriter, csv.read_csv),
     ".raw": (raw.DESCRIPTION, raw.RawWriter, raw.read_raw),
+    ".aedat4": (aedat4.DESCRIPTION, aedat4_writer.Aedat4Writer, aedat4.read_aedat4),
 }
 
 # Other people's: read only.
 _READERS: dict[str, tuple[str, Callable[[Path], Recording]]] = {
-    ".aedat4": (aedat4.DESCRIPTION, aedat4.read_aedat4),
     ".h5": (hdf5.DESCRIPTION, hdf5.read_hdf5),
     ".hdf5": (hdf5.DESCRIPTION, hdf5.read_hdf5),
     ".bag": (rosbag.DESCRIPTION, rosbag.read_bag),
@@ -90,7 +90,7 @@ def read(path: str | Path) -> Recording:
     folder (events.txt, images.txt) or a ROS 2 bag folder (metadata.yaml).
 
     Raises FormatError for anything else, naming what is wrong where; RecordingError where it cannot be read.
-    AEDAT4, HDF5 and bags take the extra [lab].
+    Compressed AEDAT4, HDF5 and bags take the extra [lab].
     """
     path = Path(path)
     try:

@@ -1,4 +1,5 @@
 """`.npz`: columns `t, x, y, p` and, with frames, `frames, t_us`, as `np.load` reads them; not compressed.
+`exposure_us` (M, 2) has begin and end of each frame's exposure, where frames have such.
 
 An .npz cannot grow, so a recording is spooled into a folder beside it, FILE.npz.partial, and put together on
 close, which takes as much disk again. After a crash or on a full disk that folder reads like a recording.
@@ -48,12 +49,20 @@ class NpzWriter(Writer):
             raise cannot_create(path, error) from error
 
     def frame(self, image: NDArray[np.uint8], t_us: int) -> None:
-        if image.shape != (self.height, self.width) or image.dtype != np.uint8:
-            raise ValueError(
-                f"a frame must be uint8 {(self.height, self.width)}, not {image.dtype} {image.shape}"
-            )
+        self._frame(image, t_us, (t_us, t_us))
+
+    def aps_frame(
+        self,
+        image: NDArray[np.uint8],
+        exposure_us: tuple[int, int],
+        frame_us: tuple[int, int] | None = None,
+    ) -> None:
+        self._frame(image, sum(exposure_us) // 2, exposure_us)
+
+    def _frame(self, image: NDArray[np.uint8], t_us: int, exposure_us: tuple[int, int]) -> None:
+        self._check_image(image)
         with self._writing():
-            self._spool.append_frame(image, t_us)
+            self._spool.append_frame(image, t_us, exposure_us)
 
     def close(self) -> None:
         if self._closed:
@@ -102,13 +111,18 @@ def read_npz(path: Path) -> Recording:
                 return Recording(events, *_size(archive, events))
             frames = _array(path, arrays, "frames", 3)
             t_us = _array(path, arrays, "t_us", 1)
+            exposure_us = _array(path, arrays, "exposure_us", 2) if "exposure_us" in arrays else None
     except (zipfile.BadZipFile, EOFError) as error:
         raise FormatError(f"{path} is cut short or no .npz: copy or record it again") from error
     if frames.dtype != np.uint8 or len(frames) != len(t_us):
         what = f"{len(frames)} {frames.dtype} frames and {len(t_us)} t_us"
         raise FormatError(f"{path} has {what}: give uint8 frames and a time for each")
+    if exposure_us is not None and exposure_us.shape != (len(frames), 2):
+        shape = exposure_us.shape
+        raise FormatError(f"{path} has exposure_us of shape {shape}: give a begin and an end for each frame")
     height, width = frames.shape[1:]
-    return Recording(events, width, height, frames, t_us.astype(np.int64))
+    exposure_us = None if exposure_us is None else exposure_us.astype(np.int64)
+    return Recording(events, width, height, frames, t_us.astype(np.int64), exposure_us=exposure_us)
 
 
 def _events(path: Path, arrays: Any) -> Events:
@@ -159,6 +173,8 @@ def _assemble(recording: Recording, path: Path) -> None:
             if recording.frames is not None and recording.frame_t_us is not None:
                 _write_array(archive, "frames", recording.frames)
                 _write_array(archive, "t_us", recording.frame_t_us)
+            if recording.exposure_us is not None:
+                _write_array(archive, "exposure_us", recording.exposure_us)
             archive.comment = geometry_to_json(recording.width, recording.height).encode("ascii")
         file.flush()
         os.fsync(file.fileno())

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from voltcam_client.encodings import EVENT, Events
 from voltcam_client.formats.recording import MAX_T_US, RecordingError, fault_in
+from voltcam_client.samples import ImuSamples, Triggers
 
 # Events per write: the most that a full disk can cost of one call.
 CHUNK = 1 << 16
@@ -45,7 +46,7 @@ class AppendFile:
         self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | existing, 0o666)
         self._size = 0
 
-    def append(self, data: bytes) -> None:
+    def append(self, data: bytes | bytearray) -> None:
         """Write all of `data`, or raise OSError with the file as it was."""
         rest = memoryview(data)
         try:
@@ -70,6 +71,7 @@ class Writer(ABC):
     """
 
     holds_frames: ClassVar[bool] = False
+    holds_samples: ClassVar[bool] = False  # of an IMU, and triggers
     longest_silence_us: ClassVar[int] = MAX_T_US
 
     def __init__(self, path: Path, width: int, height: int) -> None:
@@ -106,6 +108,22 @@ class Writer(ABC):
     def frame(self, image: NDArray[np.uint8], t_us: int) -> None:
         """Append a (height, width) uint8 image taken at `t_us`; left out by a format that holds no frames."""
 
+    def aps_frame(
+        self,
+        image: NDArray[np.uint8],
+        exposure_us: tuple[int, int],
+        frame_us: tuple[int, int] | None = None,
+    ) -> None:
+        """Append a frame with the (begin, end) of its exposure, and of the readout around it; a format that
+        keeps one time only has the middle of the exposure."""
+        self.frame(image, sum(exposure_us) // 2)
+
+    def imu(self, samples: ImuSamples) -> None:  # noqa: B027
+        """Append IMU samples; left out by a format that holds none."""
+
+    def triggers(self, triggers: Triggers) -> None:  # noqa: B027
+        """Append TRIGGER rows; left out by a format that holds none."""
+
     def close(self) -> None:
         """Finish the recording. After a failed write this leaves what is safe as it is."""
         self._closed = True
@@ -113,6 +131,13 @@ class Writer(ABC):
     @abstractmethod
     def _append(self, events: Events) -> None:
         """Write up to CHUNK events, all or none of them; OSError as it comes."""
+
+    def _check_image(self, image: NDArray[np.uint8]) -> None:
+        """Raises ValueError for a frame that is none of this camera."""
+        if image.shape != (self.height, self.width) or image.dtype != np.uint8:
+            raise ValueError(
+                f"a frame must be uint8 {(self.height, self.width)}, not {image.dtype} {image.shape}"
+            )
 
     def _rescue(self) -> str:
         """Where the events written so far are, and how to get at them."""

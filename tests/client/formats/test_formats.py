@@ -58,7 +58,7 @@ def test_what_is_written_in_packets_is_read_back(
         assert list(Path(folder).iterdir()) == [path]
     np.testing.assert_array_equal(recording.events, events)
     assert recording.events.dtype == EVENT
-    if suffix in {".npz", ".raw"}:
+    if suffix in {".npz", ".raw", ".aedat4"}:
         assert (recording.width, recording.height) == (346, 260)
 
 
@@ -134,7 +134,7 @@ def test_frames_are_kept_where_the_format_holds_them(suffix: str, tmp_path: Path
         writer.events(events)
     recording = read(tmp_path / f"a{suffix}")
     np.testing.assert_array_equal(recording.events, events)
-    assert (recording.frames is not None) == writer.holds_frames == (suffix == ".npz")
+    assert (recording.frames is not None) == writer.holds_frames == (suffix in {".npz", ".aedat4"})
 
 
 @pytest.mark.parametrize("operation", ["read", "write"])
@@ -174,7 +174,7 @@ def test_a_folder_that_is_not_there(suffix: str, tmp_path: Path) -> None:
     assert_one_line(error)
 
 
-@pytest.mark.parametrize("suffix", [".csv", ".raw", ".txt"])
+@pytest.mark.parametrize("suffix", [".aedat4", ".csv", ".raw", ".txt"])
 @settings(max_examples=30, deadline=None)
 @given(data=st.data())
 def test_a_file_cut_anywhere_holds_the_events_before_the_cut(suffix: str, data: st.DataObject) -> None:

@@ -94,9 +94,7 @@ def test_what_is_missing_is_named(tmp_path: Path) -> None:
     assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize(
-    ("suffix", "library"), [(".h5", "h5py"), (".h5", "hdf5plugin"), (".aedat4", "faery"), (".bag", "rosbags")]
-)
+@pytest.mark.parametrize(("suffix", "library"), [(".h5", "h5py"), (".h5", "hdf5plugin"), (".bag", "rosbags")])
 def test_a_missing_library_is_named_with_its_extra(
     suffix: str, library: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -47,6 +47,29 @@ def test_numpy_loads_its_frames(tmp_path: Path, make_events) -> None:
     np.testing.assert_array_equal(recording.frame_t_us, times)
 
 
+def test_exposures_come_back(tmp_path: Path) -> None:
+    images = np.random.default_rng(3).integers(0, 256, (3, 4, 6), np.uint8)
+    writer = open_writer(tmp_path / "a.npz", width=6, height=4)
+    for i, image in enumerate(images):
+        writer.aps_frame(image, (1000 * i, 1000 * i + 501), (1000 * i - 9, 1000 * i + 900))
+    exposures = [[1000 * i, 1000 * i + 501] for i in range(3)]
+    assert read(tmp_path / "a.npz.partial").exposure_us.tolist() == exposures  # type: ignore[union-attr]
+    writer.close()
+    recording = read(tmp_path / "a.npz")
+    assert recording.exposure_us is not None
+    assert recording.frame_t_us is not None
+    assert recording.exposure_us.tolist() == exposures
+    assert recording.frame_t_us.tolist() == [1000 * i + 250 for i in range(3)]
+    np.testing.assert_array_equal(recording.frames, images)
+
+
+def test_exposures_of_another_shape_are_refused(tmp_path: Path) -> None:
+    frames = {"frames": np.zeros((2, 4, 6), np.uint8), "t_us": np.array([0, 1])}
+    np.savez(tmp_path / "a.npz", **GOOD, **frames, exposure_us=np.zeros((3, 2), np.int64))
+    with pytest.raises(FormatError, match=r"exposure_us of shape \(3, 2\): give a begin and an end"):
+        read(tmp_path / "a.npz")
+
+
 def test_a_frame_of_another_size_changes_nothing(tmp_path: Path) -> None:
     with open_writer(tmp_path / "a.npz", width=346, height=260) as writer:
         wrong: list[Any] = [np.zeros((346, 260), np.uint8), np.zeros((260, 346))]
