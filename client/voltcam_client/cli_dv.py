@@ -5,6 +5,7 @@ import runpy
 import sys
 from pathlib import Path
 
+from voltcam_client.control import DEFAULT_URL
 from voltcam_client.dv import drop_in
 from voltcam_client.dv.cameras import DEFAULT_ADDRESS
 from voltcam_client.errors import VoltcamError
@@ -28,6 +29,9 @@ dv.io.CameraCapture and discoverDevices of dv-processing 1.7. All else is dv-pro
         action="append",
         help=f"a daemon's DV streams; may be given again (default: {DEFAULT_ADDRESS})",
     )
+    run.add_argument(
+        "--url", default=DEFAULT_URL, help=f"where the daemon is, for its biases (default: {DEFAULT_URL})"
+    )
     run.add_argument("program", metavar="PROGRAM.py", type=Path, help="the program")
     run.add_argument("arguments", metavar="...", nargs=argparse.REMAINDER, help="its own arguments")
     run.set_defaults(run=_run)
@@ -40,7 +44,7 @@ def _run(args: argparse.Namespace) -> int:
         import dv_processing
     except ImportError as error:
         raise VoltcamError(f"voltcam dv needs dv-processing: pip install 'voltcam[dv]' ({error})") from None
-    drop_in.install(dv_processing, args.dv or [DEFAULT_ADDRESS])
+    drop_in.install(dv_processing, args.dv or [DEFAULT_ADDRESS], args.url)
     sys.argv = [str(args.program), *args.arguments]
     sys.path.insert(0, str(args.program.resolve().parent))
     runpy.run_path(str(args.program), run_name="__main__")

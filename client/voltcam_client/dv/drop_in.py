@@ -14,8 +14,11 @@ from voltcam_client.dv.drop_in_camera import Camera, Descriptor, descriptor_of
 from voltcam_client.errors import VoltcamError
 
 
-def install(dv: ModuleType, addresses: Sequence[str]) -> None:
-    """Have dv-processing find the cameras at these addresses, and no others. VoltcamError: there are none."""
+def install(dv: ModuleType, addresses: Sequence[str], url: str) -> None:
+    """Have dv-processing find the cameras at these addresses, and no others. url: their daemon's, for biases.
+
+    Raises VoltcamError where there are none.
+    """
 
     def cameras() -> list[Found]:
         return [found for address in addresses for found in find(address)]
@@ -29,7 +32,7 @@ def install(dv: ModuleType, addresses: Sequence[str]) -> None:
         found = cameras()
         for each in found:
             if not isinstance(wanted, str) or wanted in ("", each.serial, each.stream.source):
-                return Camera(dv, each)
+                return Camera(dv, each, url)
         names = ", ".join(each.stream.source for each in found) or "none"
         raise RuntimeError(f"there is no camera {wanted or ''} at {', '.join(addresses)}, only {names}")
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
+from voltcam_client.dv.biases import KNOBS, BiasControl
 from voltcam_client.dv.cameras import Found
 
 # The MPU-6500 of a DAVIS346, and pixels of 18.5 um, as iniVation's data sheet has them.
@@ -27,11 +28,13 @@ class Descriptor:
 class Camera:
     """A camera of dv-processing, on the network streams of an emulator.
 
-    What sets something up is kept, told on standard error once, and has no effect.
+    Biases are set at the daemon. What else sets something up is kept, and told on standard error; it has no
+    effect.
     """
 
-    def __init__(self, dv: ModuleType, found: Found) -> None:
+    def __init__(self, dv: ModuleType, found: Found, url: str) -> None:
         self._dv, self._found = dv, found
+        self._biases = BiasControl(url, found.ports["EVTS"])
         self._readers = {kind: dv.io.NetworkReader(found.host, port) for kind, port in found.ports.items()}
         self._set: dict[str, Any] = {}
 
@@ -45,6 +48,23 @@ class Camera:
         if known and name.startswith(("get", "is")) and key in self._set:
             return lambda *_: self._set[key]
         raise AttributeError(f"the emulator has no {name}")
+
+    def getDavis346BiasCoarseFine(self, bias: Any) -> tuple[int, int]:
+        if bias.name in KNOBS:
+            return self._biases.get(bias)
+        return tuple(self._set.get(bias.name, (0, 0)))
+
+    def setDavis346BiasCoarseFine(self, bias: Any, coarse: int, fine: int) -> None:
+        if bias.name in KNOBS:
+            self._biases.set(bias, coarse, fine)
+        else:
+            sys.stderr.write(f"voltcam: the bias {bias.name} has no effect on the emulator\n")
+            self._set[bias.name] = coarse, fine
+
+    getDavis240BiasCoarseFine, setDavis240BiasCoarseFine = (
+        getDavis346BiasCoarseFine,
+        setDavis346BiasCoarseFine,
+    )
 
     def getCameraName(self) -> str:
         return self._found.stream.source

@@ -53,7 +53,8 @@ assert camera.isTriggerStreamAvailable() and camera.isImuStreamAvailable()
 assert camera.getImuModel() == dv.io.camera.imu.ImuModel.IMU_INVENSENSE_6500_9250
 camera.setExposureDuration(datetime.timedelta(milliseconds=5))
 assert camera.getExposureDuration() == datetime.timedelta(milliseconds=5)
-camera.setDavis346BiasCoarseFine(dv.io.camera.DAVIS.Davis346BiasCF.Diff, 4, 39)
+camera.setDavis346BiasCoarseFine(dv.io.camera.DAVIS.Davis346BiasCF.LocalBuffer, 5, 164)
+assert camera.getDavis346BiasCoarseFine(dv.io.camera.DAVIS.Davis346BiasCF.LocalBuffer) == (5, 164)
 
 by_name, by_any = set(), set()
 names = ("getNextEventBatch", "getNextFrame", "getNextTriggerBatch", "getNextImuBatch")
@@ -95,7 +96,7 @@ def test_all_streams_are_read_and_settings_are_kept_without_effect(daemon: Daemo
     assert done.returncode == 0, done.stderr
     assert done.stderr.splitlines() == [
         "voltcam: setExposureDuration has no effect on the emulator",
-        "voltcam: setDavis346BiasCoarseFine has no effect on the emulator",
+        "voltcam: the bias LocalBuffer has no effect on the emulator",
     ]
 
 
@@ -113,6 +114,37 @@ def test_real_algorithms_on_the_stream_and_on_its_recording(daemon: Daemon, tmp_
     assert live["corners"] > 100
     assert live["tracks"] > 0
     assert live["contrast"] > 1
+
+
+SETS = """
+import dv_processing as dv
+
+Bias = dv.io.camera.DAVIS.Davis346BiasCF
+camera = dv.io.camera.open()
+usual = [camera.getDavis346BiasCoarseFine(bias) for bias in (Bias.On, Bias.Refractory)]
+assert usual == [(6, 200), (4, 25)], usual
+camera.setDavis346BiasCoarseFine(Bias.On, 6, 90)
+camera.setDavis346BiasCoarseFine(Bias.Refractory, 5, 25)
+assert camera.getDavis346BiasCoarseFine(Bias.On) == (6, 90)
+"""
+
+
+def test_biases_are_set_at_the_daemon(daemon: Daemon, tmp_path: Path) -> None:
+    before = daemon.get("parameters")["parameters"]
+    (tmp_path / "sets.py").write_text(SETS)
+    done = run(address(daemon), "--url", daemon.url, "sets.py", folder=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    after = daemon.get("parameters")["parameters"]
+    assert after["comparator"]["theta_on"] < before["comparator"]["theta_on"]
+    dead_us = before["refractory_period"]["period_us"]
+    assert after["refractory_period"]["period_us"] == pytest.approx(dead_us / 8)
+
+
+def test_without_its_daemon_no_bias_is_set(daemon: Daemon, tmp_path: Path) -> None:
+    (tmp_path / "sets.py").write_text(SETS)
+    done = run(address(daemon), "--url", "http://127.0.0.1:9", "sets.py", folder=tmp_path)
+    assert done.returncode == 1
+    assert "RuntimeError: no bias could be read: cannot reach http://127.0.0.1:9" in done.stderr
 
 
 def test_without_a_daemon_it_says_what_to_do(tmp_path: Path) -> None:
