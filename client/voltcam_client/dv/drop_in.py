@@ -13,6 +13,9 @@ from voltcam_client.dv.cameras import Found, find
 from voltcam_client.dv.drop_in_camera import Camera, Descriptor, descriptor_of
 from voltcam_client.errors import VoltcamError
 
+# What the arguments are called that say which camera.
+WHICH = ("serialNumber", "descriptor", "filterBySerialNumber", "deviceToOpen", "cameraName")
+
 
 def install(dv: ModuleType, addresses: Sequence[str], url: str) -> None:
     """Have dv-processing find the cameras at these addresses, and no others. url: their daemon's, for biases.
@@ -26,8 +29,9 @@ def install(dv: ModuleType, addresses: Sequence[str], url: str) -> None:
     def discover() -> list[Descriptor]:
         return [descriptor_of(dv, found) for found in cameras()]
 
-    def open_camera(which: Any = None, *_: Any, **__: Any) -> Camera:
+    def open_camera(which: Any = None, *_: Any, **named: Any) -> Camera:
         """By serial number, by name, by descriptor, or the first."""
+        which = next((named[name] for name in WHICH if name in named), which)
         wanted = getattr(which, "serialNumber", which)
         found = cameras()
         for each in found:

@@ -25,6 +25,7 @@ for camera in (
     dv.io.camera.open(),
     dv.io.camera.open("EMU00001"),
     dv.io.camera.open(found),
+    dv.io.camera.open(serialNumber="EMU00001", deviceLogLevel=dv.io.camera.USBDevice.LogLevel.LVL_INFO),
     dv.io.camera.openSync(found),
     dv.io.camera.DAVIS(),
     dv.io.CameraCapture(),
@@ -33,12 +34,13 @@ for camera in (
     assert camera.getCameraName() == "DAVIS346_EMU00001"
     assert isinstance(camera, dv.io.camera.DAVIS)
     assert camera.isRunning()
-try:
-    dv.io.camera.open("00000999")
-except RuntimeError as error:
-    assert "no camera 00000999" in str(error)
-else:
-    raise AssertionError
+for given, named in ((("00000999",), {}), ((), {"serialNumber": "00000999"})):
+    try:
+        dv.io.camera.open(*given, **named)
+    except RuntimeError as error:
+        assert "no camera 00000999" in str(error)
+    else:
+        raise AssertionError
 assert sys.argv[1:] == ["--window", "5"]
 """
 

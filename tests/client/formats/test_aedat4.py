@@ -1,5 +1,6 @@
 """`.aedat4` as faery's encoder writes it."""
 
+import importlib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -62,6 +63,23 @@ def test_zstd_is_read(tmp_path: Path, make_events) -> None:
     events = make_events(3000, START_US)
     write(tmp_path / "a.aedat4", events, "ZSTD", ("zstd", 1))
     np.testing.assert_array_equal(read(tmp_path / "a.aedat4").events, events)
+
+
+@pytest.mark.parametrize(("name", "library"), [("lz4", "lz4.frame"), ("zstd", "backports.zstd")])
+def test_a_missing_library_is_named_with_its_extra(
+    name: str, library: str, tmp_path: Path, make_events, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = importlib.import_module
+
+    def without(wanted: str) -> object:
+        if wanted == library:
+            raise ModuleNotFoundError(wanted)
+        return real(wanted)
+
+    write(tmp_path / "a.aedat4", make_events(30), name.upper(), (name, 1))
+    monkeypatch.setattr(importlib, "import_module", without)
+    with pytest.raises(FormatError, match=rf"reading it takes {library}: pip install 'voltcam\[lab\]'"):
+        read(tmp_path / "a.aedat4")
 
 
 def test_a_frames_time_is_the_middle_of_its_exposure(read_frames) -> None:
