@@ -10,9 +10,9 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from voltcam_client.formats import READABLE, Recording, Writer, open_writer, read
-from voltcam_client.formats.npz import PARTIAL
+from voltcam_client.formats import READABLE, Recording, Writer, open_writer, read, suffix_of
 from voltcam_client.formats.rosbag import METADATA
+from voltcam_client.formats.spool import PARTIAL
 from voltcam_client.meter import short
 from voltcam_simulator import Camera, Law, Simulator
 from voltcam_video import Frame, Source, SourceError, SourceRequest, Upsampling, between, fit, open_source
@@ -112,7 +112,7 @@ def _recording(path: Path) -> Recording | None:
         only_events = (path / "events.txt").exists() and not (path / "images.txt").exists()
         in_folder = only_events or path.suffix == PARTIAL or (path / METADATA).exists()
         return read(path) if in_folder else None
-    suffix = path.suffix.lower()
+    suffix = suffix_of(path)
     if suffix == ".npz" and zipfile.is_zipfile(path):
         with zipfile.ZipFile(path) as archive:
             return None if "frames.npy" in archive.namelist() else read(path)

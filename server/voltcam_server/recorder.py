@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict
 
-from voltcam_client.formats import RecordingError, check_writable
+from voltcam_client.formats import RecordingError, check_writable, suffix_of
 
 from .interval import Interval, SimulationSetup, Start
 from .problems import one_line
@@ -189,4 +189,5 @@ class Recorder:
 
     def _path_of(self, number: int) -> Path:
         path = self._plan.path
-        return path.with_name(f"{path.stem}-{number:03}{path.suffix}")
+        suffix = path.name[-len(suffix_of(path)) :]
+        return path.with_name(f"{path.name.removesuffix(suffix)}-{number:03}{suffix}")
