@@ -3,10 +3,10 @@
     #!AER-DAT2.0, and more lines with #
     u32 address, u32 time in us, both big-endian, for each event
 
-The address of a DAVIS: bit 31 is set for frames and IMU, bit 10 for triggers; else polarity is in bit 11 (1 is
-ON), x in bits 12..21, y in 22..30. Of a DVS128: bit 15 is set for triggers; else polarity is in bit 0 (0 is ON),
-x in bits 1..7, y in 8..14. jAER counts x from the right and y from below; here x is from the left, y from above.
-A file that names no chip is taken for a DAVIS346's, as v2e writes it.
+The address of a DAVIS: bit 31 is set for frames and IMU, bit 10 for triggers; else polarity is in bit 11 (1
+is ON), x in bits 12..21, y in 22..30. Of a DVS128: bit 15 is set for triggers; else polarity is in bit 0 (0
+is ON), x in bits 1..7, y in 8..14. jAER counts x from the right and y from below; here x is from the left, y
+from above. A file that names no chip is taken for a DAVIS346's, as v2e writes it.
 
 Sources: docs.inivation.com, AEDAT 2.0; tonic 1.7 (read_davis_346) and v2e for the way the axes run; jAER's
 DVS128 for its polarity.

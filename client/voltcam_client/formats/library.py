@@ -14,7 +14,7 @@ from voltcam_client.formats.recording import FormatError
 
 
 def library(name: str, path: Path, what: str = "reading") -> Any:
-    """The module, which is in the extra [lab]; FormatError says so where it is not. what: it is wanted for."""
+    """The module, which is in the extra [lab]; FormatError says so where it is not; what: for which."""
     try:
         return importlib.import_module(name)
     except ImportError as error:

@@ -158,6 +158,8 @@ def _in_order(recording: Recording, write_events: _Write, image: _Write) -> Iter
             yield image, int(frame_t_us[frame]), recording.frames[frame]
             frame += 1
         yield write_events, t_us, events
+    if not recording.events.size:  # one message, for the size of the sensor
+        yield write_events, int(frame_t_us[0]) if frame_t_us.size else 0, recording.events
     for number in range(frame, frame_t_us.size):
         assert recording.frames is not None
         yield image, int(frame_t_us[number]), recording.frames[number]
