@@ -10,7 +10,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from voltcam_client.formats import READABLE, Recording, Writer, open_writer, read, suffix_of
+from voltcam_client.formats import READABLE, Recording, Writer, left_out, open_writer, read, suffix_of
 from voltcam_client.formats.rosbag import METADATA
 from voltcam_client.formats.spool import PARTIAL
 from voltcam_client.meter import short
@@ -34,6 +34,7 @@ class Conversion:
     upsample: Upsampling = "cubic"
     seconds: float | None = None
     overwrite: bool = False
+    copy: bool = False  # a recording with frames is copied, too, not simulated
 
 
 def convert(job: Conversion) -> str:
@@ -43,6 +44,8 @@ def convert(job: Conversion) -> str:
     read, FormatError and RecordingError as the output's writer does; what came before is in the output.
     """
     path = Path(job.source.uri)
+    if job.copy:
+        return _copy(read(path), job)
     recording = _recording(path)
     if recording is not None and (recording.frames is None or path.suffix == PARTIAL):
         return _copy(recording, job)
@@ -79,7 +82,8 @@ def _simulate(source: Source, job: Conversion, stop: threading.Event) -> str:
             kept = f"the {writer.event_count} events before it are kept in {job.output}"
             raise UsageError(f"{where}{one_line(error)}; {kept}") from None
     took_s = time.monotonic() - began_s
-    return f"{job.output}: {writer.event_count} events from {frames} frames in {took_s:.1f} s"
+    done = f"{job.output}: {writer.event_count} events from {frames} frames in {took_s:.1f} s"
+    return "; ".join(filter(None, [done, left_out(job.output, frames=False)]))
 
 
 def _until(source: Source, seconds: float | None, stop: threading.Event) -> Iterator[Frame]:
@@ -128,7 +132,9 @@ def _copy(recording: Recording, job: Conversion) -> str:
             for image, t_us in zip(recording.frames, recording.frame_t_us.tolist(), strict=True):
                 if t_us <= last_us:
                     writer.frame(image, t_us)
-    return f"{job.output}: {writer.event_count} events copied from {job.source.uri}, nothing simulated"
+    done = f"{job.output}: {writer.event_count} events copied from {job.source.uri}, nothing simulated"
+    images = f"{len(recording.image_paths)} images are not copied" if recording.image_paths else ""
+    return "; ".join(filter(None, [done, images, left_out(job.output, frames=recording.frames is not None)]))
 
 
 def _last_us(recording: Recording, seconds: float | None) -> float:

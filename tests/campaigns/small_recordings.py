@@ -23,7 +23,7 @@ def small_recordings(folder: Path) -> list[Path]:
     frames = rng.integers(0, 255, (3, 20, 20), np.uint8)
     paths = []
     for suffix in SUFFIXES:
-        path = folder / f"seed{suffix}"
+        path = folder / f"ours{suffix}"
         with open_writer(path, width=20, height=20) as writer:
             writer.events(events)
             if writer.holds_frames:

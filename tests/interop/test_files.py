@@ -72,7 +72,7 @@ def test_tonic_reads_dsec(events: Events, tmp_path: Path, monkeypatch: pytest.Mo
 
 def dsec_item(data: Any, folder: Path, name: str) -> Any:
     """Its first recording's events: what its __init__ would have found, less the download."""
-    data.location_on_system = str(folder.parent)
+    data.location_on_system = str(folder)
     data.split, data.recording_selection, data.data_selection = "train", [name], ["events_left"]
     data.target_selection, data.transform, data.target_transform, data.transforms = [], None, None, None
     return data[0][0]["events_left"]

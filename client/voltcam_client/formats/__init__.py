@@ -10,7 +10,6 @@ show to the user.
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Protocol
 
 from voltcam_client.formats import (
     aedat2,
@@ -46,17 +45,14 @@ __all__ = [
     "RecordingError",
     "Writer",
     "check_writable",
+    "left_out",
     "open_writer",
     "read",
     "suffix_of",
 ]
 
 
-class _OpenWriter(Protocol):
-    def __call__(self, path: Path, width: int, height: int, *, overwrite: bool) -> Writer: ...
-
-
-_FORMATS: dict[str, tuple[str, _OpenWriter, Callable[[Path], Recording]]] = {
+_FORMATS: dict[str, tuple[str, type[Writer], Callable[[Path], Recording]]] = {
     ".npz": (npz.DESCRIPTION, npz.NpzWriter, npz.read_npz),
     ".txt": (txt.DESCRIPTION, txt.TxtWriter, txt.read_txt),
     ".csv": (csv.DESCRIPTION, csv.CsvWriter, csv.read_csv),
@@ -91,6 +87,20 @@ def suffix_of(path: Path) -> str:
     whatever the name ends with."""
     ends = (suffix for suffix in READABLE if path.name.lower().endswith(suffix) and path.name[: -len(suffix)])
     return max(ends, key=len, default=path.suffix.lower())
+
+
+def left_out(path: Path, *, frames: bool = True) -> str:
+    """What the format of `path` cannot carry, for who records into it, in words; empty where it carries all.
+
+    frames: whether there will be some.
+    """
+    suffix = suffix_of(path)
+    writer = _FORMATS[suffix][1]
+    lost = [
+        *(["frames"] if frames and not writer.holds_frames else []),
+        *([] if writer.holds_time_of_day else ["the time of day"]),
+    ]
+    return f"without {' and '.join(lost)}, which {suffix} cannot carry" if lost else ""
 
 
 def open_writer(path: str | Path, *, width: int, height: int, overwrite: bool = False) -> Writer:

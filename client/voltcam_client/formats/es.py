@@ -31,6 +31,7 @@ _EVENT_BYTES = 5
 class EsWriter(AppendWriter):
     """Appends events of 5 bytes, after a byte for each 127 us without any."""
 
+    holds_time_of_day = False
     longest_span_us = 1 << 34  # without an event that takes 135 MB
 
     def _header(self) -> bytes:

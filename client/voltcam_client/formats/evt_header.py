@@ -22,7 +22,7 @@ class HeaderWriter(AppendWriter):
     longest_side: ClassVar[int]
     name: ClassVar[str]
 
-    def __init__(self, path: Path, width: int, height: int, *, overwrite: bool) -> None:
+    def __init__(self, path: Path, width: int, height: int, *, overwrite: bool = False) -> None:
         if max(width, height) > self.longest_side:
             side = self.longest_side
             raise FormatError(

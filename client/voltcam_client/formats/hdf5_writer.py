@@ -34,7 +34,7 @@ _BLOCK_MS = 1 << 20  # of the index, made at a time
 class Hdf5Writer(SpooledWriter):
     """Spools, and makes the HDF5 file on close."""
 
-    def __init__(self, path: Path, width: int, height: int, *, overwrite: bool) -> None:
+    def __init__(self, path: Path, width: int, height: int, *, overwrite: bool = False) -> None:
         library("h5py", path, "writing")
         library("hdf5plugin", path, "writing")
         super().__init__(path, width, height, overwrite=overwrite)

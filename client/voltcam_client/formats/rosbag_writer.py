@@ -46,7 +46,7 @@ _LAST_US = {True: 1 << 32, False: 1 << 31}  # ROS 1: its seconds are unsigned; R
 class BagWriter(SpooledWriter):
     """Spools, and makes the bag on close."""
 
-    def __init__(self, path: Path, width: int, height: int, *, overwrite: bool) -> None:
+    def __init__(self, path: Path, width: int, height: int, *, overwrite: bool = False) -> None:
         library("rosbags.highlevel", path, "writing")
         super().__init__(path, width, height, overwrite=overwrite)
 

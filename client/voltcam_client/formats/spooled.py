@@ -23,9 +23,8 @@ class SpooledWriter(Writer):
 
     holds_frames = True
 
-    def __init__(self, path: Path, width: int, height: int, *, overwrite: bool) -> None:
-        super().__init__(path, width, height)
-        self._overwrite = overwrite
+    def __init__(self, path: Path, width: int, height: int, *, overwrite: bool = False) -> None:
+        super().__init__(path, width, height, overwrite=overwrite)
         self._folder = path.with_name(path.name + PARTIAL)
         if path.exists() and not overwrite:
             raise exists_already(path)

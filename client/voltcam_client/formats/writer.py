@@ -81,14 +81,18 @@ class Writer(ABC):
     """
 
     holds_frames: ClassVar[bool] = False
+    holds_time_of_day: ClassVar[bool] = (
+        True  # else times count from the file's beginning, and that is not said
+    )
     longest_silence_us: ClassVar[int] = MAX_T_US
     longest_span_us: ClassVar[int] = MAX_T_US  # from the file's first event
 
-    def __init__(self, path: Path, width: int, height: int) -> None:
+    def __init__(self, path: Path, width: int, height: int, *, overwrite: bool = False) -> None:
         self.path = path
         self.width = width
         self.height = height
         self.event_count = 0  # written, and safe
+        self._overwrite = overwrite
         self._first_t_us = 0
         self._last_t_us = 0
         self._closed = False
@@ -172,8 +176,8 @@ class Writer(ABC):
 class AppendWriter(Writer):
     """Events in one file, complete after every append; a format gives its header and its encoding."""
 
-    def __init__(self, path: Path, width: int, height: int, *, overwrite: bool) -> None:
-        super().__init__(path, width, height)
+    def __init__(self, path: Path, width: int, height: int, *, overwrite: bool = False) -> None:
+        super().__init__(path, width, height, overwrite=overwrite)
         try:
             self._file = AppendFile(path, overwrite=overwrite)
             self._file.append(self._header())

@@ -24,7 +24,7 @@ def write(path: Path, events: np.ndarray, frames: int = 0) -> None:
 
 
 def test_dsec(tmp_path: Path, make_events) -> None:
-    """Types as DSEC has them, and the rule of its index: t[ms_to_idx[ms]] is the first at or after 1000 ms."""
+    """Types as DSEC has them, and its index: t[ms_to_idx[ms]] is the first at or after 1000 ms."""
     events = make_events(5000, EPOCH_US)
     write(tmp_path / "a.h5", events)
     with h5py.File(tmp_path / "a.h5") as file:
