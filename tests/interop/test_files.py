@@ -75,7 +75,7 @@ def dsec_item(data: Any, folder: Path, name: str) -> Any:
     data.location_on_system = str(folder)
     data.split, data.recording_selection, data.data_selection = "train", [name], ["events_left"]
     data.target_selection, data.transform, data.target_transform, data.transforms = [], None, None, None
-    return data[0][0]["events_left"]
+    return data[0][0][0]["events_left"]
 
 
 def test_what_tonic_reads_of_aedat2_is_read(events: Events, tmp_path: Path) -> None:

@@ -61,7 +61,7 @@ def read_es(path: Path) -> Recording:
     data = np.frombuffer(content, np.uint8, offset=_HEADER.size)
     at = _between_events(data)
     head = data[at]
-    passed_us = np.where(head == 0xFF, _OVERFLOW_US, np.where(head == 0xFE, 0, head >> 1))
+    passed_us = np.where(head == 0xFE, 0, head >> 1)  # of 0xff: 127
     t_us = np.cumsum(passed_us, dtype=np.int64)
     is_event = (head < 0xFE) & (at + _EVENT_BYTES <= data.size)
     at = at[is_event]
@@ -78,7 +78,7 @@ def _between_events(data: Column) -> Column:
     Each such byte says where the next one is, so they are a chain. It is followed in many blocks at once, for
     each of the five places where the chain may enter a block; then the right one of the five is known.
     """
-    steps = np.where(data >= 0xFE, 1, _EVENT_BYTES)
+    steps = np.where(data >= 0xFE, 1, _EVENT_BYTES).astype(np.uint8)
     block = max(_EVENT_BYTES, math.isqrt(data.size))
     begins = np.arange(0, data.size, block)
     ends = np.minimum(begins + block, data.size)

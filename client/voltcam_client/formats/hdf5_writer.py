@@ -13,7 +13,6 @@ An HDF5 file that is not closed is lost, so a recording is spooled, and put toge
 Source: dsec.ifi.uzh.ch/data-format.
 """
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +27,6 @@ from voltcam_client.formats.spooled import SpooledWriter
 from voltcam_client.formats.writer import start_us
 
 _CHUNK = 1 << 17  # events to a chunk
-_BLOCK_MS = 1 << 20  # of the index, made at a time
 
 
 class Hdf5Writer(SpooledWriter):
@@ -58,21 +56,16 @@ def _write_events(file: Any, events: Events) -> None:
     indexed = span_us < 1 << 32
     columns = {"t": "<u4" if indexed else "<i8", "x": "<u2", "y": "<u2", "p": "u1"}
     datasets = {name: _dataset(file, f"events/{name}", kind) for name, kind in columns.items()}
+    index = _dataset(file, "ms_to_idx", "<u8") if indexed else None
     for block in blocks(events):
-        _append(datasets["t"], block["t"] - t_offset)
+        t_us = block["t"] - t_offset
+        if index is not None:
+            ms = np.arange(len(index), t_us[-1] // 1000 + 1)
+            _append(index, len(datasets["t"]) + np.searchsorted(t_us, 1000 * ms))
+        _append(datasets["t"], t_us)
         for name in "xyp":
             _append(datasets[name], block[name])
     file["t_offset"] = np.int64(t_offset)
-    if indexed:
-        index = _dataset(file, "ms_to_idx", "<u8")
-        for part in _ms_to_idx(events["t"], t_offset, span_us // 1000 + 1):
-            _append(index, part)
-
-
-def _ms_to_idx(t_us: NDArray[np.int64], t_offset: int, count_ms: int) -> Iterator[NDArray[np.int64]]:
-    for start in range(0, count_ms, _BLOCK_MS):
-        ms = np.arange(start, min(start + _BLOCK_MS, count_ms))
-        yield np.searchsorted(t_us, t_offset + 1000 * ms)
 
 
 def _dataset(

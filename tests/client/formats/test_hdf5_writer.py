@@ -45,6 +45,19 @@ def test_dsec(tmp_path: Path, make_events) -> None:
         assert "frames" not in file
 
 
+def test_the_index_goes_on_through_blocks(tmp_path: Path) -> None:
+    """Of 16 MB each, with silence where one ends, and many events in a millisecond."""
+    count = 2 * 2**24 // EVENT.itemsize + 10
+    events = np.zeros(count, EVENT)
+    events["t"] = 700 + np.arange(count) // 100
+    events["t"][2**24 // EVENT.itemsize :] += 10_000
+    write(tmp_path / "a.h5", events)
+    with h5py.File(tmp_path / "a.h5") as file:
+        ms = np.arange(events["t"][-1] // 1000 + 1)
+        np.testing.assert_array_equal(file["ms_to_idx"][()], np.searchsorted(events["t"], 1000 * ms))
+        np.testing.assert_array_equal(file["events/t"][()], events["t"])
+
+
 def test_times_of_a_source_that_begins_at_0_need_no_offset(tmp_path: Path, make_events) -> None:
     write(tmp_path / "a.h5", make_events(10, start_us=1_000_000))
     with h5py.File(tmp_path / "a.h5") as file:

@@ -4,12 +4,15 @@ import json
 import struct
 import subprocess
 import sys
+import tempfile
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from voltcam_client.formats import FormatError, RecordingError, open_writer, read
 
@@ -252,3 +255,34 @@ def test_a_spool_that_is_damaged_is_one_line(tmp_path: Path) -> None:
     (folder / "geometry.json").write_text("[" * 100_000)
     with pytest.raises(FormatError):
         read(folder)
+
+
+BEGINNINGS = {
+    ".raw": b"% evt 3.0\n% geometry 346x260\n% end\n",
+    ".evt2.raw": b"% evt 2.0\n% geometry 346x260\n% end\n",
+    ".dat": b"% Version 2\n\x0c\x08",
+    ".es": b"Event Stream\2\0\0\1" + struct.pack("<HH", 346, 260),
+    ".aedat": b"#!AER-DAT2.0\r\n",
+    ".csv": b"t,x,y,on\n",
+    ".txt": b"",
+}
+
+
+@pytest.mark.parametrize("suffix", BEGINNINGS)
+@settings(deadline=None)  # disks are slow at times
+@given(begun=st.booleans(), content=st.binary(max_size=300))
+def test_any_bytes_are_a_recording_or_one_line(suffix: str, begun: bool, content: bytes) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"a{suffix}"
+        path.write_bytes(BEGINNINGS[suffix] * begun + content)
+        said, recording = "", None
+        try:
+            recording = read(path)
+        except FormatError as error:
+            said = str(error)
+    if recording is None:
+        assert said.startswith(str(path))
+        assert "\n" not in said
+    else:
+        assert (np.diff(recording.events["t"]) >= 0).all()
+        assert recording.events.size <= 6 * len(content)  # of EVT 3.0: 12 events in a word
