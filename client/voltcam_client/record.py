@@ -10,7 +10,7 @@ from pathlib import Path
 from voltcam_client.camera import EventCamera
 from voltcam_client.errors import VoltcamError
 from voltcam_client.formats import open_writer
-from voltcam_client.formats.npz import PARTIAL
+from voltcam_client.formats.spool import PARTIAL
 from voltcam_client.packet import Packet
 
 TICK_S = 0.1  # the longest wait before `stop` is asked again

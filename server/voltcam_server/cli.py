@@ -89,7 +89,7 @@ examples:
 
 def convert(parser: argparse.ArgumentParser) -> None:
     """Arguments of `voltcam convert`."""
-    formats = "\n".join(f"  {suffix:<6} {description}" for suffix, description in SUFFIXES.items())
+    formats = "\n".join(f"  {suffix:<10} {description}" for suffix, description in SUFFIXES.items())
     parser.description = "Turn frames into an event file: as fast as possible, no frame left out."
     parser.epilog = f"""\
 INPUT is a video, a folder with images.txt (the Event Camera Dataset's layout), an .npz with frames and t_us,
@@ -112,6 +112,11 @@ What was written is kept, and reads as it is, after an error or Ctrl-C."""
         "--seconds", metavar="N", type=seconds, help="end after N seconds of the input's time"
     )
     parser.add_argument("--overwrite", action="store_true", help="replace OUTPUT if it exists")
+    parser.add_argument(
+        "--copy",
+        action="store_true",
+        help="copy a recording's events and frames; without it its frames are simulated anew",
+    )
     parser.set_defaults(run=_convert)
 
 
@@ -195,6 +200,7 @@ def _convert(args: argparse.Namespace) -> int:
         upsample="cubic" if settings.upsample == "off" else settings.upsample,
         seconds=args.seconds,
         overwrite=args.overwrite,
+        copy=args.copy,
     )
     print(run(job))
     return 0

@@ -5,7 +5,7 @@ import threading
 from pathlib import Path
 
 from voltcam_client.formats import RecordingError, open_writer
-from voltcam_client.formats.npz import PARTIAL
+from voltcam_client.formats.spool import PARTIAL
 
 from .interval import Interval, SimulationSetup, Start
 from .manifest import ManifestWriter

@@ -9,6 +9,7 @@ exposure_us.bin   begin and end of their exposures, two int64, both the frame's 
 
 import json
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,10 @@ from numpy.typing import NDArray
 from voltcam_client.encodings import EVENT, Events
 from voltcam_client.formats.recording import FormatError, Recording, exposures_known
 from voltcam_client.formats.writer import AppendFile
+
+PARTIAL = ".partial"  # after the name of the file that is made from it
+
+_BLOCK_BYTES = 1 << 24  # read at a time, so that hours take little memory
 
 
 class Spool:
@@ -87,6 +92,13 @@ def geometry_from_json(text: bytes) -> tuple[int, int]:
         return int(geometry["width"]), int(geometry["height"])
     except (KeyError, TypeError) as error:
         raise ValueError("not a geometry") from error
+
+
+def blocks(array: NDArray[Any]) -> Iterator[NDArray[Any]]:
+    """A mapped array, one piece after the other."""
+    rows = max(1, _BLOCK_BYTES // max(1, array[:1].nbytes))
+    for start in range(0, len(array), rows):
+        yield array[start : start + rows]
 
 
 def _mapped(path: Path, dtype: Any, shape: tuple[int, ...] = ()) -> NDArray[Any]:

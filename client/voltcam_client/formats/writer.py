@@ -19,6 +19,17 @@ from voltcam_client.samples import ImuSamples, Triggers
 # Events per write: the most that a full disk can cost of one call.
 CHUNK = 1 << 16
 
+_START_BITS = 23
+
+
+def start_us(t_us: int) -> int:
+    """Where a file that counts its times from its beginning begins, for a first event at `t_us`.
+
+    The last multiple of 2^23 us (8.4 s) before it: what a source that begins at 0 gives keeps its times for
+    every reader, and what is of this day begins near 0.
+    """
+    return t_us >> _START_BITS << _START_BITS
+
 
 def cannot_create(path: Path, error: OSError) -> RecordingError:
     """The one line for a target that cannot be made."""
@@ -72,13 +83,17 @@ class Writer(ABC):
 
     holds_frames: ClassVar[bool] = False
     holds_samples: ClassVar[bool] = False  # of an IMU, and triggers
+    holds_time_of_day: ClassVar[bool] = True  # else times count from the file's beginning, and none says it
     longest_silence_us: ClassVar[int] = MAX_T_US
+    longest_span_us: ClassVar[int] = MAX_T_US  # from the file's first event
 
-    def __init__(self, path: Path, width: int, height: int) -> None:
+    def __init__(self, path: Path, width: int, height: int, *, overwrite: bool = False) -> None:
         self.path = path
         self.width = width
         self.height = height
         self.event_count = 0  # written, and safe
+        self._overwrite = overwrite
+        self._first_t_us = 0
         self._last_t_us = 0
         self._closed = False
         self._failure: RecordingError | None = None
@@ -97,12 +112,23 @@ class Writer(ABC):
         fault = fault_in(events, self.width, self.height, last_t_us, self.longest_silence_us)
         if fault:
             raise ValueError(f"{self.path}: {fault}")
+        self._check_span(events)
         for start in range(0, events.size, CHUNK):
             chunk = events[start : start + CHUNK]
             with self._writing():
                 self._append(chunk)
+            self._first_t_us = self._first_t_us if self.event_count else int(chunk["t"][0])
             self.event_count += chunk.size
             self._last_t_us = int(chunk["t"][-1])
+
+    def _check_span(self, events: Events) -> None:
+        """Raises ValueError for events that come too late for the format to say when."""
+        first_us = self._first_t_us if self.event_count or not events.size else int(events["t"][0])
+        if events.size and events["t"][-1] - start_us(first_us) >= self.longest_span_us:
+            raise ValueError(
+                f"{self.path}: it counts {self.longest_span_us / 3.6e9:.3g} hours from its beginning: "
+                "record on into another file"
+            )
 
     @abstractmethod
     def frame(self, image: NDArray[np.uint8], t_us: int) -> None:
@@ -173,8 +199,8 @@ class Writer(ABC):
 class AppendWriter(Writer):
     """Events in one file, complete after every append; a format gives its header and its encoding."""
 
-    def __init__(self, path: Path, width: int, height: int, *, overwrite: bool) -> None:
-        super().__init__(path, width, height)
+    def __init__(self, path: Path, width: int, height: int, *, overwrite: bool = False) -> None:
+        super().__init__(path, width, height, overwrite=overwrite)
         try:
             self._file = AppendFile(path, overwrite=overwrite)
             self._file.append(self._header())

@@ -24,7 +24,8 @@ def test_numpy_loads_it(tmp_path: Path, make_events) -> None:
     with open_writer(tmp_path / "a.npz", width=346, height=260) as writer:
         writer.events(events)
     with np.load(tmp_path / "a.npz") as arrays:
-        assert set(arrays) == {"t", "x", "y", "p"}
+        assert set(arrays) == {"t", "x", "y", "p", "width", "height"}
+        assert (arrays["width"], arrays["height"]) == (346, 260)
         for name in "txyp":
             np.testing.assert_array_equal(arrays[name], events[name], strict=True)
     with zipfile.ZipFile(tmp_path / "a.npz") as archive:
@@ -39,7 +40,7 @@ def test_numpy_loads_its_frames(tmp_path: Path, make_events) -> None:
         for frame, t_us in zip(frames, times, strict=True):
             writer.frame(frame, int(t_us))
     with np.load(tmp_path / "a.npz") as arrays:
-        assert set(arrays) == {"t", "x", "y", "p", "frames", "t_us"}
+        assert set(arrays) == {"t", "x", "y", "p", "width", "height", "frames", "t_us"}
         np.testing.assert_array_equal(arrays["frames"], frames, strict=True)
         np.testing.assert_array_equal(arrays["t_us"], times, strict=True)
     recording = read(tmp_path / "a.npz")
@@ -155,3 +156,11 @@ def test_a_damaged_file_is_named(tmp_path: Path) -> None:
     (tmp_path / "a.npz").write_bytes(whole)
     with pytest.raises(FormatError, match="cut short"):
         read(tmp_path / "a.npz")
+
+
+def test_the_size_in_the_comment_of_older_files_is_read(tmp_path: Path) -> None:
+    np.savez(tmp_path / "a.npz", t=[1], x=[2], y=[3], p=[1])
+    with zipfile.ZipFile(tmp_path / "a.npz", "a") as archive:
+        archive.comment = b'{"width": 346, "height": 260}'
+    recording = read(tmp_path / "a.npz")
+    assert (recording.width, recording.height) == (346, 260)
