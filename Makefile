@@ -17,7 +17,7 @@ SECONDS ?= 600
 # Of docs: a warning is an error, and all are told. All pages are made anew, since code may have changed.
 STRICT := --fresh-env --nitpicky --fail-on-warning --keep-going --quiet
 
-.PHONY: run test check docs docs-serve format dist hidden-effects patches soak fuzz clean calibration-table
+.PHONY: run test check docs docs-serve format dist hidden-effects patches soak fuzz interop clean calibration-table
 
 run: .venv/installed-server
 	$(BIN)/voltcam serve
@@ -63,11 +63,20 @@ soak: .venv/installed-dev
 patches: .venv/installed-dev
 	$(BIN)/python -m tests.campaigns.patches --count $(COUNT) $(if $(SEED),--seed $(SEED))
 
+# Heavy libraries of others read what Voltcam writes; in an environment of their own.
+interop: .venv-interop/installed
+	.venv-interop/bin/pytest -rs tests/interop
+
 clean:
-	rm -rf .venv dist build
+	rm -rf .venv .venv-interop dist build
 
 .venv/bin/pip:
 	$(PYTHON) -m venv .venv
+
+.venv-interop/installed: pyproject.toml tests/interop/requirements.txt
+	$(PYTHON) -m venv .venv-interop
+	.venv-interop/bin/pip install --quiet --editable '.[lab]' 'pytest>=8.3' -r tests/interop/requirements.txt
+	touch $@
 
 .venv/installed-server: pyproject.toml | .venv/bin/pip
 	$(BIN)/pip install --quiet --editable '.[server]'

@@ -104,7 +104,7 @@ def command(*arguments: str) -> subprocess.CompletedProcess[str]:
 def daemon(*arguments: str) -> Iterator[str]:
     """`voltcam serve` on free ports of this machine; the address of its page."""
     process = subprocess.Popen(
-        [VOLTCAM, "serve", "--http", "127.0.0.1:0", "--zmq", "tcp://127.0.0.1:0", *arguments],
+        [VOLTCAM, "serve", "--http", "127.0.0.1:0", "--zmq", "tcp://127.0.0.1:0", "--dv", "off", *arguments],
         stdout=subprocess.PIPE,
         text=True,
     )

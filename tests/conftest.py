@@ -1,6 +1,10 @@
-"""The order in which test files are begun."""
+"""The order in which test files are begun, and what all daemons of tests are told."""
+
+import os
 
 import pytest
+
+os.environ.setdefault("VOLTCAM_DV", "127.0.0.1:0")  # free ports: several daemons run at a time
 
 LONG = (
     "lab/diagnosis/test_hidden_effects.py",

@@ -21,6 +21,13 @@ from voltcam_client.packet import (
     decode_frame,
     decode_packet,
 )
+from voltcam_client.samples import (
+    TOPIC_IMU,
+    TOPIC_TRIGGERS,
+    SamplesMessage,
+    decode_imu,
+    decode_triggers,
+)
 
 DEFAULT_URL = "tcp://127.0.0.1:5560"
 KEYS_VARIABLE = "VOLTCAM_KEYS"
@@ -30,7 +37,8 @@ KEEPALIVE_IDLE_S, KEEPALIVE_PERIOD_S, KEEPALIVE_PROBES = 2, 1, 3
 """A pulled cable is noticed, and reconnected, after 5 s. By TCP, not by ZeroMQ's heartbeats: with them libzmq
 4.3.5 aborts the process when a connection ends while the queue is full (zeromq/libzmq issues 4364, 4767)."""
 
-Message = TypeVar("Message", bound=Packet | FrameMessage)
+Message = TypeVar("Message", bound=Packet | FrameMessage | SamplesMessage)
+Other = TypeVar("Other", bound=FrameMessage | SamplesMessage)
 
 
 class Stream(Generic[Message]):
@@ -197,13 +205,21 @@ class EventCamera(Stream[Packet]):
 
     def frames(self, *, queue_length: int = 30) -> Stream[FrameMessage]:
         """The frames that the camera sees, over a connection of their own."""
+        return self._beside(TOPIC_FRAMES, decode_frame, queue_length)
+
+    def imu(self, *, queue_length: int = 1000) -> Stream[SamplesMessage]:
+        """The samples of its IMU, where it has one, over a connection of their own."""
+        return self._beside(TOPIC_IMU, decode_imu, queue_length)
+
+    def triggers(self, *, queue_length: int = 1000) -> Stream[SamplesMessage]:
+        """Its triggers, where it has some, over a connection of their own."""
+        return self._beside(TOPIC_TRIGGERS, decode_triggers, queue_length)
+
+    def _beside(
+        self, topic: bytes, decode: Callable[[Buffer, Buffer], Other], queue_length: int
+    ) -> Stream[Other]:
         return Stream(
-            self.url,
-            TOPIC_FRAMES,
-            decode_frame,
-            timeout_s=self.timeout_s,
-            queue_length=queue_length,
-            keys=self.keys,
+            self.url, topic, decode, timeout_s=self.timeout_s, queue_length=queue_length, keys=self.keys
         )
 
 

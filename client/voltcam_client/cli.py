@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from importlib import metadata
 from typing import Any
 
-from voltcam_client import cli_keys, cli_listen, cli_record, cli_status
+from voltcam_client import cli_biases, cli_dv, cli_keys, cli_listen, cli_record, cli_status
 
 SUMMARIES = {
     "serve": "run the camera: live video in, events out",
@@ -32,6 +32,11 @@ OWN_COMMANDS = {
     "listen": ("print the rates, losses and latency of a running camera", cli_listen.configure),
     "record": ("record a running camera into a file", cli_record.configure),
     "status": ("print what a running daemon says of itself", cli_status.configure),
+    "biases": (
+        "print, set, save or load the biases of a running camera, as of a DAVIS",
+        cli_biases.configure,
+    ),
+    "dv": ("run a program of dv-processing on the emulator", cli_dv.configure),
     "keys": ("make keys that open a camera's stream to few", cli_keys.configure),
 }
 

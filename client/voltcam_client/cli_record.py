@@ -6,14 +6,14 @@ from pathlib import Path
 
 from voltcam_client import camera
 from voltcam_client.cli_arguments import URL_HELP, seconds
-from voltcam_client.formats import SUFFIXES, check_writable
+from voltcam_client.formats import SUFFIXES, check_writable, left_out
 from voltcam_client.meter import short
 from voltcam_client.record import Progress, record, size_bytes
 from voltcam_client.terminal import live_line, until_signal
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    formats = "\n".join(f"  {suffix:<6} {description}" for suffix, description in SUFFIXES.items())
+    formats = "\n".join(f"  {suffix:<10} {description}" for suffix, description in SUFFIXES.items())
     parser.description = "Record a running camera into a file on this machine, until Ctrl-C."
     parser.usage = "voltcam record [-h] [--seconds N] [--no-frames] [--overwrite] [URL] FILE"
     parser.epilog = f"""\
@@ -49,7 +49,7 @@ def _record(args: argparse.Namespace) -> int:
             stop=stopped.is_set,
             show=lambda progress: show(lambda: _in_words(progress, path)),
         )
-    print(_in_words(progress, path))
+    print("; ".join(filter(None, [_in_words(progress, path), left_out(path, frames=not args.no_frames)])))
     return 0
 
 

@@ -47,6 +47,10 @@ class Control:
         # Straight to the daemon: a proxy from the environment is for the outside world.
         self._opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
 
+    def cameras(self) -> list[Json]:
+        """All cameras of the daemon, with their names."""
+        return list(self._ask("GET", "/cameras", None, list))
+
     def camera(self) -> Json:
         """Name, width, height and addresses of the camera."""
         return self._request("GET", "/camera")
@@ -65,6 +69,14 @@ class Control:
     def schema(self) -> Json:
         """The parameters' JSON schema: unit, limits and meaning of each."""
         return self._request("GET", "/parameters/schema")
+
+    def biases(self) -> Json:
+        """The biases of a DAVIS with the parameters of now: `{"ONBn_coarse": 6, "ONBn_fine": 200, ...}`."""
+        return self._request("GET", "/biases")
+
+    def set_biases(self, changes: Mapping[str, int]) -> Json:
+        """Change biases, named as drivers of a DAVIS name them, and the parameters that depend on them."""
+        return self._request("PATCH", "/biases", dict(changes))
 
     def source(self) -> Json:
         """What the camera looks at."""
@@ -118,6 +130,9 @@ class Control:
         return kind | {"Authorization": f"Bearer {self._token}"} if self._token else kind
 
     def _request(self, method: str, path: str, body: Json | None = None) -> Json:
+        return dict(self._ask(method, path, body, dict))
+
+    def _ask(self, method: str, path: str, body: Json | None, kind: type) -> Any:
         url = f"{self.url}/api/v1{path}{self._query}"
         data = None if body is None else json.dumps(body).encode()
         timeout_s = self.timeout_s if method == "GET" else max(self.timeout_s, LONGEST_S)
@@ -140,8 +155,8 @@ class Control:
             raise ControlError(
                 f"cannot reach {self.url} ({reason}): is `voltcam serve` running there?"
             ) from error
-        if not isinstance(answer, dict):
-            raise ControlError(f"{url} did not answer with a JSON object: is it a Voltcam daemon?")
+        if not isinstance(answer, kind):
+            raise ControlError(f"{url} did not answer as it should: is it a Voltcam daemon?")
         return answer
 
 

@@ -12,7 +12,10 @@ events     ROS event_camera_msgs/EventPacket: header {stamp     the events, see 
            parameters_version, dropped
 frames     ROS sensor_msgs/Image: header, height, width,        the image, `height` rows of `step`
            encoding ("mono8"), is_bigendian, step; and seq,     bytes
-           time_base (ns), parameters_version
+           time_base (ns), parameters_version; of an APS
+           frame exposure_us, frame_us: [begin, end]
+imu,       header, seq, count; see `samples`                    the samples, records
+triggers
 status     the same map as GET /api/v1/status                   none
 ========== ==================================================== ====================================
 
@@ -21,9 +24,8 @@ status     the same map as GET /api/v1/status                   none
 word streams of two of them another, `word_stream`: together they are too long for one page.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any
 
 import msgpack
 import numpy as np
@@ -31,6 +33,7 @@ import numpy.typing as npt
 
 from voltcam_client.encodings import ENCODINGS, EVENT, Buffer, Encoding, Events
 from voltcam_client.errors import PacketError
+from voltcam_client.headers import pack_header, ros_header, stamp_ns_of, unpack_header
 
 __all__ = [
     "EVENT",
@@ -82,11 +85,13 @@ class Packet:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FrameMessage:
-    """One frame that the simulator was given.
+    """One frame: one that the simulator was given, or one of the APS.
 
     - `image`: (H, W) uint8, grey levels.
     - `seq`: counts frames.
-    - `t_us`: its time on the events' clock, us.
+    - `t_us`: its time on the events' clock, us; of an APS frame the middle of its exposure.
+    - `exposure_us`, `frame_us`: begin and end of an APS frame's exposure, and of the frame with its readout,
+      on the events' clock; None for the simulator's.
     - `stamp_ns`, `frame_id`, `parameters_version`: as in `Packet`.
     """
 
@@ -96,6 +101,8 @@ class FrameMessage:
     stamp_ns: int
     frame_id: str = "voltcam"
     parameters_version: int = 0
+    exposure_us: tuple[int, int] | None = None
+    frame_us: tuple[int, int] | None = None
 
 
 def encode_packet(packet: Packet) -> tuple[bytes, bytes]:
@@ -103,7 +110,7 @@ def encode_packet(packet: Packet) -> tuple[bytes, bytes]:
     if packet.time_base_ns < 0 or packet.time_base_ns % 1000:
         raise PacketError(f"time_base_ns is {packet.time_base_ns}: give a whole number of us, 0 or more")
     header = {
-        "header": _ros_header(packet),
+        "header": ros_header(packet.stamp_ns, packet.frame_id),
         "height": packet.height,
         "width": packet.width,
         "seq": packet.seq,
@@ -114,12 +121,12 @@ def encode_packet(packet: Packet) -> tuple[bytes, bytes]:
         "dropped": packet.dropped,
     }
     buffer = _encoding(packet.encoding).encode(packet.events, packet.time_base_ns // 1000)
-    return _pack(header), buffer
+    return pack_header(header), buffer
 
 
 def decode_packet(header_bytes: Buffer, buffer: Buffer) -> Packet:
     """The packet of a header and a buffer, alone. PacketError if they are not one."""
-    header = _unpack_header(header_bytes)
+    header = unpack_header(header_bytes)
     try:
         if header["is_bigendian"]:
             raise PacketError("the packet is big-endian, which no Voltcam daemon sends: is it one?")
@@ -130,7 +137,7 @@ def decode_packet(header_bytes: Buffer, buffer: Buffer) -> Packet:
             width=header["width"],
             seq=header["seq"],
             time_base_ns=header["time_base"],
-            stamp_ns=_stamp_ns(header),
+            stamp_ns=stamp_ns_of(header),
             frame_id=header["header"]["frame_id"],
             encoding=encoding,
             parameters_version=header["parameters_version"],
@@ -144,7 +151,7 @@ def encode_frame(frame: FrameMessage) -> tuple[bytes, bytes]:
     """Header and buffer of a frame."""
     height, width = frame.image.shape
     header = {
-        "header": _ros_header(frame),
+        "header": ros_header(frame.stamp_ns, frame.frame_id),
         "height": height,
         "width": width,
         "encoding": "mono8",
@@ -154,12 +161,15 @@ def encode_frame(frame: FrameMessage) -> tuple[bytes, bytes]:
         "time_base": 1000 * frame.t_us,
         "parameters_version": frame.parameters_version,
     }
-    return _pack(header), frame.image.tobytes()
+    for key in ("exposure_us", "frame_us"):
+        if (span := getattr(frame, key)) is not None:
+            header[key] = span
+    return pack_header(header), frame.image.tobytes()
 
 
 def decode_frame(header_bytes: Buffer, buffer: Buffer) -> FrameMessage:
     """The frame of a header and a buffer; its image is read-only. PacketError if they are not one."""
-    header = _unpack_header(header_bytes)
+    header = unpack_header(header_bytes)
     try:
         height, width, step = header["height"], header["width"], header["step"]
         if header["encoding"] != "mono8" or len(buffer) != height * step or step < width:
@@ -170,9 +180,11 @@ def decode_frame(header_bytes: Buffer, buffer: Buffer) -> FrameMessage:
             image=np.frombuffer(buffer, np.uint8).reshape(height, step)[:, :width],
             seq=header["seq"],
             t_us=header["time_base"] // 1000,
-            stamp_ns=_stamp_ns(header),
+            stamp_ns=stamp_ns_of(header),
             frame_id=header["header"]["frame_id"],
             parameters_version=header["parameters_version"],
+            exposure_us=_span(header.get("exposure_us")),
+            frame_us=_span(header.get("frame_us")),
         )
     except (KeyError, TypeError) as error:
         raise PacketError(f"the frame's header lacks or misuses {error}; is it a Voltcam daemon?") from error
@@ -202,31 +214,16 @@ def decode_message(message: Buffer) -> Packet:
     return decode_packet(*unpack_message(message))
 
 
+def _span(value: Any) -> tuple[int, int] | None:
+    """TypeError for what is none."""
+    if value is None:
+        return None
+    if not isinstance(value, list) or [type(each) for each in value] != [int, int]:
+        raise TypeError("a span of time")
+    return value[0], value[1]
+
+
 def _encoding(name: str) -> Encoding:
     if name not in ENCODINGS:
         raise PacketError(f"unknown encoding {name!r}: this version of Voltcam knows {', '.join(ENCODINGS)}")
     return ENCODINGS[name]
-
-
-def _ros_header(message: Packet | FrameMessage) -> dict[str, Any]:
-    sec, nanosec = divmod(message.stamp_ns, 1_000_000_000)
-    return {"stamp": {"sec": sec, "nanosec": nanosec}, "frame_id": message.frame_id}
-
-
-def _stamp_ns(header: Mapping[str, Any]) -> int:
-    stamp = header["header"]["stamp"]
-    return int(stamp["sec"] * 1_000_000_000 + stamp["nanosec"])
-
-
-def _pack(header: dict[str, Any]) -> bytes:
-    return cast(bytes, msgpack.packb(header))
-
-
-def _unpack_header(header_bytes: Buffer) -> dict[str, Any]:
-    try:
-        header = msgpack.unpackb(header_bytes)
-    except (ValueError, msgpack.UnpackException) as error:
-        raise PacketError("the header is not msgpack; is it a Voltcam daemon?") from error
-    if not isinstance(header, dict):
-        raise PacketError("the header is not a map; is it a Voltcam daemon?")
-    return header

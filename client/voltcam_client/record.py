@@ -10,7 +10,7 @@ from pathlib import Path
 from voltcam_client.camera import EventCamera
 from voltcam_client.errors import VoltcamError
 from voltcam_client.formats import open_writer
-from voltcam_client.formats.npz import PARTIAL
+from voltcam_client.formats.spool import PARTIAL
 from voltcam_client.packet import Packet
 
 TICK_S = 0.1  # the longest wait before `stop` is asked again
@@ -58,6 +58,11 @@ def record(
             open_writer(path, width=first.width, height=first.height, overwrite=overwrite)
         )
         stream = stack.enter_context(camera.frames()) if frames and writer.holds_frames else None
+        samples = [
+            (stack.enter_context(beside()), write)
+            for beside, write in ((camera.imu, writer.imu), (camera.triggers, writer.triggers))
+            if writer.holds_samples
+        ]
         progress = Progress()
         previous = first
         for packet in chain([first], packets):
@@ -67,8 +72,14 @@ def record(
                 progress.events += packet.events.size
                 previous = packet
             while stream is not None and (frame := stream.receive(0)) is not None:
-                writer.frame(frame.image, frame.t_us)
+                if frame.exposure_us is None:
+                    writer.frame(frame.image, frame.t_us)
+                else:
+                    writer.aps_frame(frame.image, frame.exposure_us, frame.frame_us)
                 progress.frames += 1
+            for beside, write in samples:
+                while (some := beside.receive(0)) is not None:
+                    write(some.samples)
             progress.lost_packets = camera.lost_packets
             progress.seconds = time.monotonic() - begin
             show(progress)

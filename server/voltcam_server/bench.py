@@ -72,7 +72,8 @@ def plan(limits: MachineLimits) -> Iterator[Callable[[], list[Figure]]]:
         for fps in (240, 60, 30):
             yield partial(pace, f"{size} moving, davis346, {fps} frames/s", scene, fps, camera)
         yield partial(pace, f"{size} moving, base model, paper law", scene, 240, base, "paper")
-        yield partial(two_threads, f"{size} two threads over one, wall time", scene, base)
+        for model, parameters in (("base model", base), ("davis346", camera)):
+            yield partial(two_threads, f"{size} {model}, two threads over one, wall time", scene, parameters)
     scene = moving(60, 346, 260)
     yield partial(numpy_paper_law, scene[:6])
     yield partial(cost_per_event, scene, base)
@@ -105,12 +106,10 @@ def timed(
     seconds, events = [], 0
     for _ in range(REPEATS + 1):
         simulator.jump(frames[0], t_us)
-        begin, events = clock(), 0
-        for frame in frames[1:]:
-            t_us += period_us
-            events += len(simulator.advance(frame, t_us))
+        begin, times = clock(), range(t_us + period_us, t_us + period_us * len(frames), period_us)
+        events = sum(map(len, simulator.stream(zip(frames[1:], times, strict=True))))
         seconds.append(clock() - begin)
-        t_us += period_us
+        t_us += period_us * len(frames)
     return seconds[1:], events
 
 

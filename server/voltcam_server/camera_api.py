@@ -15,6 +15,7 @@ from starlette.concurrency import run_in_threadpool
 from voltcam_client.formats import SUFFIXES
 from voltcam_client.packet import TOPIC_EVENTS, TOPIC_FRAMES
 from voltcam_simulator import Parameters, camera_names
+from voltcam_simulator.biases import Biases, BiasSet
 from voltcam_video import SourceRequest
 
 from .access import SourceRules, resolve_under
@@ -144,6 +145,30 @@ def camera_routes(cameras: Cameras, rules: SourceRules, recordings: Path, least_
         simulation = camera.emulator.simulation
         await run_in_threadpool(simulation.prepare, wanted.parameters)
         return _answer(simulation.change(wanted.parameters.model_dump()))
+
+    @api.get("/biases", response_model=Biases, responses=refuses(404))
+    async def get_biases(camera: RunningCamera = chosen) -> BiasSet:
+        """The biases of a DAVIS that gives the parameters of now, named as drivers name them."""
+        return camera.biases.now(camera.emulator.simulation.parameters[0])
+
+    @api.patch(
+        "/biases",
+        response_model=Biases,
+        openapi_extra=body_of(Biases),
+        responses=refuses(400, 404, 413, 422),
+    )
+    async def patch_biases(request: Request, camera: RunningCamera = chosen) -> BiasSet:
+        """Changes the biases that are named, and the parameters that depend on them, at once, or nothing."""
+        changes = await read_object(request)
+        simulation = camera.emulator.simulation
+        try:
+            biases, change = camera.biases.wanted(simulation.parameters[0], changes)
+            await run_in_threadpool(simulation.prepare, simulation.parameters[0].changed(change))
+            simulation.change(change)
+        except ValidationError as error:
+            raise refusal(error, Biases) from None
+        camera.biases.set(biases)
+        return biases
 
     @api.get("/presets")
     async def get_presets() -> dict[str, Parameters]:

@@ -1,5 +1,6 @@
 """What one camera is told: pixel, source, packets and where these go."""
 
+import re
 from typing import Annotated, Literal
 
 import numpy as np
@@ -10,6 +11,7 @@ from voltcam_client.errors import PacketError
 from voltcam_simulator import Camera, Law, Parameters
 from voltcam_video import SourceRequest
 
+from .beside import DavisSettings
 from .overload import OverloadSettings
 from .problems import UsageError, explain, one_line
 
@@ -33,6 +35,24 @@ Upsample = Annotated[
     Literal["off", "linear", "cubic", "auto"] | Annotated[int, Field(ge=1, le=MOST_UPSAMPLE_STEPS)],
     BeforeValidator(_upsample),
 ]
+
+
+DV_DEFAULT = "127.0.0.1:7777"
+DV_PORTS = 4  # of a camera
+_DV_ADDRESS = re.compile(r"(\[[0-9A-Fa-f:.]+\]|[^:/\s]+):\d{1,5}")
+
+
+def _dv(value: object) -> object:
+    if value is False or value == "off":  # False: as YAML reads an off without quotes
+        return "off"
+    if isinstance(value, str) and _DV_ADDRESS.fullmatch(value):
+        if int(value.rpartition(":")[2]) <= 65535 - DV_PORTS + 1:
+            return value
+        raise ValueError(f"the streams take {DV_PORTS} ports, and none is above 65535")
+    raise ValueError("give HOST:PORT, such as 127.0.0.1:7777, or off")
+
+
+Dv = Annotated[str, BeforeValidator(_dv)]
 
 
 class PacketSettings(BaseModel):
@@ -81,6 +101,9 @@ class CameraSettings(BaseModel):
         default_factory=Parameters, description="changes to the camera's parameters, nested by effect"
     )
     packets: PacketSettings = Field(default_factory=PacketSettings, description="packets and their pace")
+    davis: DavisSettings = Field(
+        default_factory=DavisSettings, description="what a DAVIS gives beside its events"
+    )
     overload: OverloadSettings = Field(
         default_factory=OverloadSettings, description="bounds of what is simulated at a time"
     )
@@ -92,6 +115,13 @@ class CameraSettings(BaseModel):
         pattern=r"^(tcp|ipc)://\S+$",
         examples=["tcp://127.0.0.1:5560"],
         description="ZeroMQ endpoint of events, frames and status; port 0 takes a free one",
+    )
+
+    dv: Dv = Field(
+        default=DV_DEFAULT,
+        examples=["127.0.0.1:7777", "off"],
+        description="HOST:PORT of the DV streams that dv-processing reads: events there, frames on the next "
+        "port; port 0 takes free ones; off: none",
     )
 
     def load_camera(self) -> Camera:

@@ -3,21 +3,26 @@
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict
 
+from voltcam_client.packet import TOPIC_EVENTS, TOPIC_FRAMES
+from voltcam_client.samples import TOPIC_IMU, TOPIC_TRIGGERS
 from voltcam_simulator import Camera, Law, Parameters
 from voltcam_video import Clock, SourceError
 
+from .bias_panel import BiasPanel
 from .camera_settings import CameraSettings, EncodingName, check_encoding
 from .diagnosis import DiagnosisRunner
 from .emulator import Emulator
 from .problems import UsageError, one_line
 from .settings import Settings
 from .status import State, Status
-from .transports import Transport, WebSocketTransport, ZeroMQTransport
+from .transports import DvTransport, Transport, WebSocketTransport, ZeroMQTransport
 
+SERIAL = "EMU00001"
 WORST_FIRST: tuple[State, ...] = ("stalled", "source lost", "starting", "ended", "overloaded", "running")
 
 
@@ -51,17 +56,21 @@ class CameraAnswer(BaseModel):
     zmq: str
     """where its packets are"""
 
+    dv: str | None
+    """HOST:PORT of its DV streams; null: there are none"""
+
     parameters: Parameters
     """at the start"""
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A camera as the settings have it, its file read."""
+    """A camera as the settings have it, its file read. serial: by which DV's programs know it."""
 
     name: str
     settings: CameraSettings
     camera: Camera
+    serial: str = SERIAL
 
 
 def plans_of(settings: Settings) -> list[Plan]:
@@ -75,7 +84,7 @@ def plans_of(settings: Settings) -> list[Plan]:
             raise UsageError(f"cameras.{name}: {error}" if settings.cameras else str(error)) from None
         if settings.cameras:
             camera = camera.model_copy(update={"name": name})
-        plans.append(Plan(camera.name, each, camera))
+        plans.append(Plan(camera.name, each, camera, name if settings.cameras else SERIAL))
     return plans
 
 
@@ -92,7 +101,10 @@ class Surroundings:
 
 @dataclass(frozen=True, eq=False)
 class RunningCamera:
-    """A camera with all that belongs to it; zmq: where its packets are. `start` it, then `stop` it, once."""
+    """A camera with all that belongs to it. `start` it, then `stop` it, once.
+
+    zmq, dv: where its packets are.
+    """
 
     plan: Plan
     emulator: Emulator
@@ -100,14 +112,22 @@ class RunningCamera:
     websockets: WebSocketTransport
     zmq: str
     transports: Sequence[Transport] = ()
+    dv: str | None = None
 
     @classmethod
     def of(cls, plan: Plan, around: Surroundings) -> "RunningCamera":
-        """Bound to its endpoint, and not yet looking. Raises UsageError."""
+        """Bound to its endpoints, and not yet looking. Raises UsageError."""
         settings = plan.settings
         zeromq = ZeroMQTransport(settings.zmq, settings.encoding, around.keys)
         websockets = WebSocketTransport(around.page)
         transports: list[Transport] = [zeromq, websockets]
+        try:
+            dv = _dv_transport(plan)
+        except UsageError:
+            zeromq.stop()
+            raise
+        if dv is not None:
+            transports.append(dv)
         emulator = Emulator(
             plan.camera,
             settings.source,
@@ -116,13 +136,21 @@ class RunningCamera:
             upsample=settings.upsample,
             packets=settings.packets,
             overload=settings.overload,
+            davis=settings.davis,
             transports=transports,
             clock=around.clock,
             on_status=lambda status: around.on_status(plan.name, status),
             on_failure=around.on_failure,
         )
         diagnosis = DiagnosisRunner(emulator, zeromq.endpoint)
-        return cls(plan, emulator, diagnosis, websockets, zeromq.endpoint, transports)
+        return cls(
+            plan, emulator, diagnosis, websockets, zeromq.endpoint, transports, dv.address if dv else None
+        )
+
+    @cached_property
+    def biases(self) -> BiasPanel:
+        """What drivers of a DAVIS set: the camera file is the camera at the usual biases."""
+        return BiasPanel(self.plan.camera.parameters)
 
     def start(self) -> None:
         """Open the source, and go. Raises UsageError; `stop` is due in any case."""
@@ -155,8 +183,24 @@ class RunningCamera:
             seed=settings.seed,
             encoding=settings.encoding,
             zmq=self.zmq,
+            dv=self.dv,
             parameters=camera.parameters,
         )
+
+
+def _dv_transport(plan: Plan) -> DvTransport | None:
+    """Raises UsageError."""
+    if plan.settings.dv == "off":
+        return None
+    davis = plan.settings.davis
+    there = {
+        TOPIC_EVENTS: True,
+        TOPIC_FRAMES: davis.frames != "off",
+        TOPIC_TRIGGERS: davis.triggers_hz > 0,
+        TOPIC_IMU: davis.imu_hz > 0,
+    }
+    topics = tuple(topic for topic, is_there in there.items() if is_there)
+    return DvTransport(plan.settings.dv, plan.camera.width, plan.camera.height, plan.serial, topics)
 
 
 class Cameras:

@@ -13,19 +13,21 @@ from voltcam_simulator import Law, camera_names
 from voltcam_simulator.parameters import merged
 from voltcam_video import Fit
 
+from .beside import Frames
 from .camera_settings import EncodingName
 from .log import begin_log
 from .settings import load, parse_change
 from .settings import schema as config_schema
 
 CAMERA_HELP = f"{', '.join(camera_names())}, or a camera file (.yaml)"
+DAVIS_OPTIONS = {"frames": "frames", "imu": "imu_hz", "triggers": "triggers_hz"}
 SOURCE_FIELDS = ("fit", "width", "height", "fps", "pixel_format")
 
 
 def serve(parser: argparse.ArgumentParser) -> None:
     """Arguments of `voltcam serve`."""
     parser.description = (
-        "Run the camera: live video in, events out over ZeroMQ and WebSocket, a page to watch."
+        "Run the camera: live video in, events out over ZeroMQ, WebSocket and DV, a page to watch."
     )
     parser.epilog = """\
 All but --record can also be in the config file and in the environment (VOLTCAM_LAW, VOLTCAM_SOURCE__URI,
@@ -58,6 +60,22 @@ examples:
     out = parser.add_argument_group("output")
     out.add_argument("--http", metavar="HOST:PORT", help="page, REST and WebSocket (default: 127.0.0.1:8560)")
     out.add_argument("--zmq", metavar="ENDPOINT", help="ZeroMQ (default: tcp://127.0.0.1:5560)")
+    out.add_argument(
+        "--dv",
+        metavar="HOST:PORT",
+        help="DV streams, for dv-processing: events there, frames on the next port; off: none "
+        "(default: 127.0.0.1:7777)",
+    )
+    out.add_argument(
+        "--frames",
+        choices=get_args(Frames),
+        help="those of the source, or as a DAVIS exposes them, at the times of the effect aps_coupling "
+        "(default: source)",
+    )
+    out.add_argument("--imu", metavar="HZ", help="samples per second of an IMU at rest (default: none)")
+    out.add_argument(
+        "--triggers", metavar="HZ", help="a square wave of so many Hz at the trigger input (default: none)"
+    )
     out.add_argument("--encoding", choices=get_args(EncodingName), help="of event packets (default: libcaer)")
     out.add_argument(
         "--burst",
@@ -71,7 +89,7 @@ examples:
 
 def convert(parser: argparse.ArgumentParser) -> None:
     """Arguments of `voltcam convert`."""
-    formats = "\n".join(f"  {suffix:<6} {description}" for suffix, description in SUFFIXES.items())
+    formats = "\n".join(f"  {suffix:<10} {description}" for suffix, description in SUFFIXES.items())
     parser.description = "Turn frames into an event file: as fast as possible, no frame left out."
     parser.epilog = f"""\
 INPUT is a video, a folder with images.txt (the Event Camera Dataset's layout), an .npz with frames and t_us,
@@ -94,6 +112,11 @@ What was written is kept, and reads as it is, after an error or Ctrl-C."""
         "--seconds", metavar="N", type=seconds, help="end after N seconds of the input's time"
     )
     parser.add_argument("--overwrite", action="store_true", help="replace OUTPUT if it exists")
+    parser.add_argument(
+        "--copy",
+        action="store_true",
+        help="copy a recording's events and frames; without it its frames are simulated anew",
+    )
     parser.set_defaults(run=_convert)
 
 
@@ -150,11 +173,13 @@ def run_daemon(given: dict[str, Any], config: Path | None, record: str | None) -
     for name, each in settings.each().items():
         print(f"voltcam: {name} looking at {each.source.shown} ...", flush=True)
 
-    def banner(page: str, endpoints: dict[str, str]) -> None:
+    def banner(page: str, endpoints: dict[str, tuple[str, str | None]]) -> None:
         print(f"  page    {page}")
-        for name, zmq in endpoints.items():
+        for name, (zmq, dv) in endpoints.items():
             whose = f"of {name}; " if settings.cameras else ""
             print(f"  events  {zmq}  ({whose}to see them: voltcam listen {zmq})")
+            if dv is not None:
+                print(f"  DV      {dv}  ({whose}for dv-processing)")
         print("  Ctrl-C ends it", flush=True)
 
     run(settings, record, banner, read)
@@ -175,6 +200,7 @@ def _convert(args: argparse.Namespace) -> int:
         upsample="cubic" if settings.upsample == "off" else settings.upsample,
         seconds=args.seconds,
         overwrite=args.overwrite,
+        copy=args.copy,
     )
     print(run(job))
     return 0
@@ -191,7 +217,7 @@ def _given(args: argparse.Namespace) -> dict[str, Any]:
     given = {key: value for key, value in vars(args).items() if value is not None}
     content: dict[str, Any] = {
         key: given[key]
-        for key in ("camera", "law", "seed", "upsample", "http", "zmq", "encoding")
+        for key in ("camera", "law", "seed", "upsample", "http", "zmq", "dv", "encoding")
         if key in given
     }
     source = {key: given[key] for key in SOURCE_FIELDS if key in given}
@@ -204,6 +230,9 @@ def _given(args: argparse.Namespace) -> dict[str, Any]:
         source["pace"] = "fast"
     if source:
         content["source"] = source
+    davis = {name: given[key] for key, name in DAVIS_OPTIONS.items() if key in given}
+    if davis:
+        content["davis"] = davis
     if "burst" in given:
         content["packets"] = {"smooth": False}
     for text in args.set:

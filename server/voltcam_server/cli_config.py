@@ -38,6 +38,7 @@ def _run(args: argparse.Namespace) -> int:
             f"  camera   {plan.name}, {size}, seed {plan.settings.seed}: {active}",
             f"  source   {plan.settings.source.shown}{_there(plan.settings.source)}",
             f"  events   {plan.settings.zmq}, {_opens(settings)}",
+            f"  DV       {plan.settings.dv}",
         ]
     sys.stdout.write("\n".join(lines) + "\n")
     return 0

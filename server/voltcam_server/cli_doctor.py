@@ -52,8 +52,9 @@ def _findings(settings: Settings) -> Iterator[tuple[bool | None, str, str]]:
     """(well, what, words); well is None for what is only told."""
     cores = joblib.cpu_count()
     yield (cores >= 2, "cores", f"{cores}" if cores >= 2 else "1: simulating and sending share it; give two")
-    for address, flag in ((settings.http, "--http"), (settings.zmq.removeprefix("tcp://"), "--zmq")):
-        if "://" not in address:
+    zmq = settings.zmq.removeprefix("tcp://")
+    for address, flag in ((settings.http, "--http"), (zmq, "--zmq"), (settings.dv, "--dv")):
+        if "://" not in address and address != "off":
             yield _port(address, flag)
     free_gb = shutil.disk_usage(settings.recordings).free / 1e9
     yield free_gb > 1, "disk", f"{free_gb:.0f} GB free for recordings in {settings.recordings.resolve()}"

@@ -38,6 +38,7 @@ While it runs, PUT /api/v1/source with "start_s" goes to another place, as the p
         "--http", metavar="HOST:PORT", help="page, REST and WebSocket (default: 127.0.0.1:8560)"
     )
     parser.add_argument("--zmq", metavar="ENDPOINT", help="ZeroMQ (default: tcp://127.0.0.1:5560)")
+    parser.add_argument("--dv", metavar="HOST:PORT", help="DV streams, or off (default: 127.0.0.1:7777)")
     parser.set_defaults(run=_run)
 
 
@@ -52,7 +53,7 @@ def _run(args: argparse.Namespace) -> int:
     source: dict[str, Any] = {"uri": f"{SCHEME}{args.file.absolute()}", "loop": args.loop}
     if args.start:
         source["start_s"] = args.start
-    given = {key: value for key in ("http", "zmq") if (value := getattr(args, key)) is not None}
+    given = {key: value for key in ("http", "zmq", "dv") if (value := getattr(args, key)) is not None}
     with tempfile.TemporaryDirectory(prefix="voltcam-replay-") as folder:
         file = Path(folder) / "camera.yaml"
         file.write_text(camera.to_yaml())

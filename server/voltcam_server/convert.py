@@ -10,9 +10,9 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from voltcam_client.formats import READABLE, Recording, Writer, open_writer, read
-from voltcam_client.formats.npz import PARTIAL
+from voltcam_client.formats import READABLE, Recording, Writer, left_out, open_writer, read, suffix_of
 from voltcam_client.formats.rosbag import METADATA
+from voltcam_client.formats.spool import PARTIAL
 from voltcam_client.meter import short
 from voltcam_simulator import Camera, Law, Simulator
 from voltcam_video import (
@@ -28,6 +28,7 @@ from voltcam_video import (
 )
 from voltcam_video.sources import MemorySource
 
+from .cores import threads_for
 from .problems import UsageError, one_line
 from .signals import ended_by_signal
 
@@ -44,6 +45,7 @@ class Conversion:
     upsample: Upsampling = "cubic"
     seconds: float | None = None
     overwrite: bool = False
+    copy: bool = False  # a recording with frames is copied, too, not simulated
 
 
 def convert(job: Conversion) -> str:
@@ -53,6 +55,8 @@ def convert(job: Conversion) -> str:
     read, FormatError and RecordingError as the output's writer does; what came before is in the output.
     """
     path = Path(job.source.uri)
+    if job.copy:
+        return _copy(read(path), job)
     recording = _recording(path)
     if recording is not None and (recording.frames is None or path.suffix == PARTIAL):
         return _copy(recording, job)
@@ -68,7 +72,7 @@ def convert(job: Conversion) -> str:
 
 def _simulate(source: Source, job: Conversion, stop: threading.Event) -> str:
     width, height = job.camera.width, job.camera.height
-    simulator = Simulator(width, height, job.camera.parameters, job.law, job.seed)
+    simulator = Simulator(width, height, job.camera.parameters, job.law, job.seed, threads_for(width, height))
     frames, began_s = 0, time.monotonic()
 
     def fitted() -> Iterator[Frame]:
@@ -82,14 +86,16 @@ def _simulate(source: Source, job: Conversion, stop: threading.Event) -> str:
 
     with open_writer(job.output, width=width, height=height, overwrite=job.overwrite) as writer:
         try:
-            for frame in between(fitted(), job.upsample):
-                writer.events(simulator.advance(frame.image, frame.t_us))
+            frames_between = between(fitted(), job.upsample)
+            for events in simulator.stream((frame.image, frame.t_us) for frame in frames_between):
+                writer.events(events)
         except (SourceError, ValueError) as error:
             where = "" if isinstance(error, SourceError) else f"{job.source.shown}, frame {frames}: "
             kept = f"the {writer.event_count} events before it are kept in {job.output}"
             raise UsageError(f"{where}{one_line(error)}; {kept}") from None
     took_s = time.monotonic() - began_s
-    return f"{job.output}: {writer.event_count} events from {frames} frames in {took_s:.1f} s"
+    done = f"{job.output}: {writer.event_count} events from {frames} frames in {took_s:.1f} s"
+    return "; ".join(filter(None, [done, left_out(job.output, frames=False)]))
 
 
 def _until(source: Source, seconds: float | None, stop: threading.Event) -> Iterator[Frame]:
@@ -124,7 +130,7 @@ def _recording(path: Path) -> Recording | None:
         only_events = (path / "events.txt").exists() and not (path / "images.txt").exists()
         in_folder = only_events or path.suffix == PARTIAL or (path / METADATA).exists()
         return read(path) if in_folder else None
-    suffix = path.suffix.lower()
+    suffix = suffix_of(path)
     if suffix == ".npz" and zipfile.is_zipfile(path):
         with zipfile.ZipFile(path) as archive:
             return None if "frames.npy" in archive.namelist() else read(path)
@@ -137,10 +143,17 @@ def _copy(recording: Recording, job: Conversion) -> str:
         last_us = _last_us(recording, job.seconds)
         writer.events(recording.events[recording.events["t"] <= last_us])
         if recording.frames is not None and recording.frame_t_us is not None:
-            for image, t_us in zip(recording.frames, recording.frame_t_us.tolist(), strict=True):
-                if t_us <= last_us:
-                    writer.frame(image, t_us)
-    return f"{job.output}: {writer.event_count} events copied from {job.source.uri}, nothing simulated"
+            for number, (image, t_us) in enumerate(zip(recording.frames, recording.frame_t_us, strict=True)):
+                if t_us > last_us:
+                    break
+                if recording.exposure_us is None:
+                    writer.frame(image, int(t_us))
+                else:
+                    begin_us, end_us = recording.exposure_us[number].tolist()
+                    writer.aps_frame(image, (begin_us, end_us))
+    done = f"{job.output}: {writer.event_count} events copied from {job.source.uri}, nothing simulated"
+    images = f"{len(recording.image_paths)} images are not copied" if recording.image_paths else ""
+    return "; ".join(filter(None, [done, images, left_out(job.output, frames=recording.frames is not None)]))
 
 
 def _last_us(recording: Recording, seconds: float | None) -> float:

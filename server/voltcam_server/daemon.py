@@ -19,6 +19,7 @@ from .access.reach import check_reach, host_of
 from .announce import announced
 from .api import Access, create_app
 from .cameras import Cameras, RunningCamera, Surroundings, plans_of
+from .listening import address_of, listen
 from .problems import UsageError, where
 from .recorder import RecordingPlan
 from .reload import Reload
@@ -43,10 +44,11 @@ class _Server(uvicorn.Server):
 def serve(
     settings: Settings,
     record: str | None,
-    on_ready: Callable[[str, dict[str, str]], None],
+    on_ready: Callable[[str, dict[str, tuple[str, str | None]]], None],
     reread: Callable[[], Settings],
 ) -> None:
-    """Run until SIGINT or SIGTERM. `on_ready` gets the page's address and the cameras' ZeroMQ endpoints.
+    """Run until SIGINT or SIGTERM. `on_ready` gets the page's address, and the cameras' ZeroMQ endpoints and
+    DV addresses.
 
     reread: the settings as they are then, for SIGHUP and REST. Raises UsageError for settings that cannot
     be, a port in use, a source that cannot be opened; RecordingError and FormatError for a recording that
@@ -59,7 +61,7 @@ def serve(
     cameras = Cameras()
     with contextlib.ExitStack() as stack:
         stack.callback(lambda: _leave(cameras))
-        listener = stack.enter_context(_listen(settings.http))
+        listener = stack.enter_context(listen(settings.http, "--http"))
         page = _url(listener, access.secure)
         around = Surroundings(
             page=page,
@@ -81,10 +83,10 @@ def serve(
             cameras.get().emulator.record(
                 RecordingPlan(Path(record), least_free_bytes=settings.least_free_bytes)
             )
-        endpoints = {camera.name: camera.zmq for camera in cameras}
         if settings.announce:
+            endpoints = {camera.name: camera.zmq for camera in cameras}
             stack.enter_context(announced(listener, access.secure, endpoints))
-        on_ready(page, endpoints)
+        on_ready(page, {camera.name: (camera.zmq, camera.dv) for camera in cameras})
         tell_systemd("READY=1")
         server.run(sockets=[listener])
         if cameras.failure is not None:
@@ -164,34 +166,5 @@ def _end(server: uvicorn.Server) -> None:
         raise KeyboardInterrupt
 
 
-def _listen(address: str) -> socket.socket:
-    """A listening socket. Raises UsageError."""
-    host, _, port = address.rpartition(":")
-    if int(port) > 65535:  # which getaddrinfo would take modulo 65536
-        raise UsageError(f"{address}: no port is above 65535: give --http HOST:PORT")
-    try:
-        family, kind, proto, _, sockaddr = socket.getaddrinfo(
-            host.strip("[]"), int(port), type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
-        )[0]
-        listener = socket.socket(family, kind, proto)
-    except (OSError, OverflowError) as error:
-        raise UsageError(f"{address}: {getattr(error, 'strerror', error)}: give --http HOST:PORT") from None
-    try:
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listener.bind(sockaddr)
-        listener.listen(128)
-    except (OSError, OverflowError) as error:
-        listener.close()
-        reason = getattr(error, "strerror", None) or error
-        raise UsageError(
-            f"{address}: {reason}: end the program that has the port, or choose another with --http"
-        ) from None
-    return listener
-
-
 def _url(listener: socket.socket, secure: bool) -> str:
-    host, port = listener.getsockname()[:2]
-    scheme = "https" if secure else "http"
-    return (
-        f"{scheme}://[{host}]:{port}/" if listener.family == socket.AF_INET6 else f"{scheme}://{host}:{port}/"
-    )
+    return f"{'https' if secure else 'http'}://{address_of(listener)}/"

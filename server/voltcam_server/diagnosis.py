@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal
 
-from voltcam_client.formats import READABLE, FormatError
+from voltcam_client.formats import READABLE, FormatError, suffix_of
 from voltcam_simulator import Parameters
 
 from .camera_settings import load_camera
@@ -207,5 +207,5 @@ def _check_recording(path: Path) -> None:
     """Whether it may be one; the rest is seen when it is read."""
     if not os.path.exists(path):  # noqa: PTH110 Path's own raises for a name that is too long
         raise FormatError(f"{path} is not there: give the path of a recording on the daemon's host")
-    if not path.is_dir() and path.suffix.lower() not in READABLE:
+    if not path.is_dir() and suffix_of(path) not in READABLE:
         raise FormatError(f"{path}: no recording has the suffix {path.suffix!r}: give {', '.join(READABLE)}")

@@ -14,6 +14,7 @@ from collections.abc import Callable, Sequence
 from voltcam_simulator import Camera, Law
 from voltcam_video import Clock, Granted, Outcome, SourceError, SourceRequest
 
+from .beside import DavisSettings
 from .camera_settings import PacketSettings, Upsample
 from .capture import Capture
 from .mailbox import Mailbox
@@ -51,19 +52,21 @@ class Emulator:
         upsample: Upsample = "off",
         packets: PacketSettings | None = None,
         overload: OverloadSettings | None = None,
+        davis: DavisSettings | None = None,
         transports: Sequence[Transport] = (),
         clock: Clock | None = None,
         on_status: Callable[[Status], None] = lambda _: None,
         on_failure: Callable[[], None] = lambda: None,
     ) -> None:
         self.camera = camera
-        self.simulation = Simulation(camera, law, seed, upsample, overload)
+        self.simulation = Simulation(camera, law, seed, upsample, overload, davis)
         self.failure: Exception | None = None
         self._transports = transports
         self._on_status, self._on_failure = on_status, on_failure
         self._mailbox = Mailbox(lambda: self.simulation.load.ratio < 1)
         self.stages = stage_histogram()
-        self._publisher = Publisher(camera, transports, lambda: self._mailbox.dropped, self.stages)
+        frames = (davis or DavisSettings()).frames
+        self._publisher = Publisher(camera, transports, lambda: self._mailbox.dropped, self.stages, frames)
         publisher = self._publisher
         self._pacer = Pacer(packets or PacketSettings(), publisher.send_events, publisher.end_interval)
         self._news = threading.Event()  # the status has changed

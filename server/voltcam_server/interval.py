@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from voltcam_simulator import Camera, Law, Parameters
 from voltcam_video import Image
 
+from .beside import NOTHING, Beside, Frames
 from .camera_settings import Upsample
 
 How = Literal["advanced", "jumped", "given up", "replayed"]
@@ -21,7 +22,8 @@ class Interval:
     start_us, end_us: it has all events stamped from start_us to end_us; that is before the frames where an
     effect stamps events earlier than they were. frame_us: the frame's time. arrived_s: when that frame came,
     ready_s: when its events were known, `time.monotonic()`. paced: as of an Arrival.
-    how, coarser, parameters: what its events were made with, so that they can be made again.
+    how, coarser, parameters: what its events were made with, so that they can be made again. beside: what a
+    DAVIS gives in it beside events.
     """
 
     events: NDArray[np.void]
@@ -36,6 +38,7 @@ class Interval:
     arrived_s: float
     ready_s: float
     paced: bool
+    beside: Beside = NOTHING
 
     @property
     def image_u8(self) -> NDArray[np.uint8]:
@@ -59,9 +62,13 @@ class Start:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SimulationSetup:
-    """What all intervals of a recording are made with: camera, law, seed and frames between frames."""
+    """What all intervals of a recording are made with: camera, law, seed and frames between frames.
+
+    frames: which ones the recording is to hold.
+    """
 
     camera: Camera
     law: Law
     seed: int
     upsample: Upsample
+    frames: Frames = "source"

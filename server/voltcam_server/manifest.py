@@ -66,6 +66,7 @@ class ManifestWriter:
             law=setup.law,
             seed=setup.seed,
             upsample=setup.upsample,
+            recorded_frames=setup.frames,
             source=start.source,
             follows=start.follows,
             parameters_version=start.parameters_version,

@@ -3,13 +3,17 @@
 import time
 from collections.abc import Callable, Sequence
 
+import numpy as np
+from numpy.typing import NDArray
 from prometheus_client import Histogram
 
-from voltcam_client.packet import FrameMessage, Packet
-from voltcam_simulator import Camera
+from voltcam_client.packet import TOPIC_FRAMES, FrameMessage, Packet
+from voltcam_client.samples import TOPIC_IMU, TOPIC_TRIGGERS, SamplesMessage
+from voltcam_simulator import ApsFrame, Camera
 
+from .beside import Beside, Frames
 from .interval import Interval
-from .messages import Message, events_message, frame_message
+from .messages import Message, events_message, frame_message, samples_message
 from .pacer import Slice
 from .status import LatencyStatus, Meter
 from .transports import Transport
@@ -19,11 +23,18 @@ class Publisher:
     """Of one camera. dropped: how many source frames have been, now; stages: see `stages`."""
 
     def __init__(
-        self, camera: Camera, transports: Sequence[Transport], dropped: Callable[[], int], stages: Histogram
+        self,
+        camera: Camera,
+        transports: Sequence[Transport],
+        dropped: Callable[[], int],
+        stages: Histogram,
+        frames: Frames = "source",
     ) -> None:
         self._camera, self._transports, self._dropped, self._stages = camera, transports, dropped, stages
         self.events, self.packets = Meter(), Meter()
-        self._frame_seq = 0
+        self._frames = frames
+        self._seqs = {TOPIC_FRAMES: 0, TOPIC_IMU: 0, TOPIC_TRIGGERS: 0}
+        self._beside: tuple[Interval | None, Beside] = None, Beside()  # what has not left of an interval
         self._latency = LatencyStatus(simulated_ms=0, sent_ms=0, age_ms=0)
         self._age_s = 0.0  # of the events that left last
 
@@ -48,25 +59,58 @@ class Publisher:
         self._age_s = time.monotonic() - interval.arrived_s + (interval.frame_us - piece.end_us) / 1e6
         self.packets.total += 1
         self.events.total += piece.events.size
+        self._send_beside(interval, piece.end_us)
 
     def end_interval(self, interval: Interval) -> None:
         """All its events have left: now its frame, so that both arrive in the order of their times."""
-        frame = FrameMessage(
-            image=interval.image_u8,
-            seq=self._frame_seq,
-            t_us=interval.frame_us,
-            stamp_ns=time.time_ns(),
-            frame_id=self._camera.name,
-            parameters_version=interval.parameters_version,
-        )
-        self.publish(frame_message(frame))
+        self._send_beside(interval, None)
+        if self._frames == "source":
+            self._send_frame(interval, interval.image_u8, interval.frame_us)
         self._stages.labels("leaving").observe(time.monotonic() - interval.ready_s)
-        self._frame_seq += 1
         self._latency = LatencyStatus(
             simulated_ms=round(1000 * (interval.ready_s - interval.arrived_s), 3),
             sent_ms=round(1000 * (time.monotonic() - interval.arrived_s), 3),
             age_ms=0,
         )
+
+    def _send_beside(self, interval: Interval, t_us: int | None) -> None:
+        """What has not left of it, up to before t_us; None: all."""
+        of, left = self._beside
+        if of is not interval:
+            left = interval.beside
+        now, left = (left, Beside()) if t_us is None else left.cut(t_us)
+        self._beside = interval, left
+        for frame in now.frames:
+            self._send_frame(interval, frame.image, sum(frame.exposure_us) // 2, frame)
+        for topic, samples in ((TOPIC_IMU, now.imu), (TOPIC_TRIGGERS, now.triggers)):
+            if samples.size:
+                message = SamplesMessage(
+                    samples=samples,
+                    seq=self._next(topic),
+                    stamp_ns=time.time_ns(),
+                    frame_id=self._camera.name,
+                )
+                self.publish(samples_message(topic, message))
+
+    def _send_frame(
+        self, interval: Interval, image: NDArray[np.uint8], t_us: int, aps: ApsFrame | None = None
+    ) -> None:
+        frame = FrameMessage(
+            image=image,
+            seq=self._next(TOPIC_FRAMES),
+            t_us=t_us,
+            stamp_ns=time.time_ns(),
+            frame_id=self._camera.name,
+            parameters_version=interval.parameters_version,
+            exposure_us=aps and aps.exposure_us,
+            frame_us=aps and aps.frame_us,
+        )
+        self.publish(frame_message(frame))
+
+    def _next(self, topic: bytes) -> int:
+        seq = self._seqs[topic]
+        self._seqs[topic] += 1
+        return seq
 
     def publish(self, message: Message) -> None:
         """A message to all transports."""

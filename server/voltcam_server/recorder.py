@@ -8,9 +8,10 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict
 
-from voltcam_client.formats import RecordingError, check_writable
+from voltcam_client.formats import RecordingError, check_writable, left_out, suffix_of
 
 from .interval import Interval, SimulationSetup, Start
+from .log import log
 from .problems import one_line
 from .recording_file import RecordingFile
 from .simulation import Simulation
@@ -56,6 +57,9 @@ class RecordingStatus(BaseModel):
     lost_intervals: int
     """that came while the disk was too slow; each file is without gaps"""
 
+    left_out: str
+    """what its format cannot carry, in a line; empty where it carries all"""
+
     error: str | None
     """why it ended before it was told to; what was written until then is kept"""
 
@@ -72,6 +76,8 @@ class Recorder:
         check_writable(plan.path, overwrite=False)
         self._plan, self._setup = plan, setup
         self._file = RecordingFile(plan.path, setup)
+        if lost := left_out(plan.path):
+            log.warning("%s: %s", plan.path, lost)
         self._ended: list[RecordingFile] = []
         self._queue: deque[tuple[Start | None, Interval]] = deque()
         self._bytes, self._lost = 0, 0
@@ -92,7 +98,7 @@ class Recorder:
 
     def put(self, interval: Interval) -> None:
         """Leave an interval; never waits."""
-        size = interval.events.nbytes + interval.image.nbytes
+        size = _size(interval)
         with self._changed:
             if self._closing or self._error is not None:
                 return
@@ -136,6 +142,7 @@ class Recorder:
             events=sum(file.events for file in files),
             frames=sum(file.frames for file in files),
             lost_intervals=self._lost,
+            left_out=left_out(self._plan.path),
             error=self._error,
         )
 
@@ -160,7 +167,7 @@ class Recorder:
             if not self._queue:
                 return None
             item = self._queue.popleft()
-            self._bytes -= item[1].events.nbytes + item[1].image.nbytes
+            self._bytes -= _size(item[1])
             return item
 
     def _write(self, start: Start | None, interval: Interval) -> None:
@@ -189,4 +196,11 @@ class Recorder:
 
     def _path_of(self, number: int) -> Path:
         path = self._plan.path
-        return path.with_name(f"{path.stem}-{number:03}{path.suffix}")
+        suffix = path.name[-len(suffix_of(path)) :]
+        return path.with_name(f"{path.name.removesuffix(suffix)}-{number:03}{suffix}")
+
+
+def _size(interval: Interval) -> int:
+    """Bytes that it keeps while it waits."""
+    aps = sum(frame.image.nbytes for frame in interval.beside.frames)
+    return interval.events.nbytes + interval.image.nbytes + aps

@@ -5,7 +5,7 @@ import threading
 from pathlib import Path
 
 from voltcam_client.formats import RecordingError, open_writer
-from voltcam_client.formats.npz import PARTIAL
+from voltcam_client.formats.spool import PARTIAL
 
 from .interval import Interval, SimulationSetup, Start
 from .manifest import ManifestWriter
@@ -54,11 +54,22 @@ class RecordingFile:
             self._manifest = ManifestWriter(self.path, self._setup, start)
             self._first_us = interval.frame_us
         self._writer.events(interval.events)
-        self._writer.frame(interval.image_u8, interval.frame_us)
+        frames = self._write_frames(interval) if self._writer.holds_frames else 0
+        self._writer.imu(interval.beside.imu)
+        self._writer.triggers(interval.beside.triggers)
         self._manifest.interval(interval)
-        self.frames += self._writer.holds_frames
+        self.frames += frames
         self._last_us = interval.frame_us
-        self.size_bytes += interval.events.nbytes + self._writer.holds_frames * interval.image.size
+        self.size_bytes += interval.events.nbytes + frames * interval.image.size
+
+    def _write_frames(self, interval: Interval) -> int:
+        """How many."""
+        if self._setup.frames == "source":
+            self._writer.frame(interval.image_u8, interval.frame_us)
+            return 1
+        for image, exposure_us, frame_us in interval.beside.frames:
+            self._writer.aps_frame(image, exposure_us, frame_us)
+        return len(interval.beside.frames)
 
     def end(self, why: str) -> None:
         """Finish it, in a thread of its own: to put an .npz together takes a while. Again does no harm."""

@@ -19,7 +19,7 @@ from pydantic_settings import (
 from voltcam_simulator.parameters import merged
 
 from .access import AccessSettings
-from .camera_settings import CameraSettings
+from .camera_settings import DV_DEFAULT, DV_PORTS, CameraSettings
 from .log import LogSettings
 from .problems import KeyPath, UsageError, faults, one_line
 
@@ -93,9 +93,17 @@ class Settings(CameraSettings, BaseSettings):
         if not self.cameras:
             return {self.camera: CameraSettings.model_validate(own)}
         return {
-            name: CameraSettings.model_validate(merged(own, camera.model_dump(exclude_unset=True)))
-            for name, camera in self.cameras.items()
+            name: CameraSettings.model_validate(
+                {"dv": _dv_of(number), **merged(own, camera.model_dump(exclude_unset=True))}
+            )
+            for number, (name, camera) in enumerate(self.cameras.items())
         }
+
+
+def _dv_of(number: int) -> str:
+    """Where a camera's DV streams are, where nothing is said of them: after those of the one before."""
+    host, _, port = DV_DEFAULT.rpartition(":")
+    return f"{host}:{int(port) + DV_PORTS * number}"
 
 
 def load(
@@ -122,13 +130,15 @@ def load(
 
 
 def _check_endpoints(cameras: Mapping[str, CameraSettings]) -> None:
-    seen: dict[str, str] = {}
-    for name, camera in cameras.items():
-        if camera.zmq in seen and not camera.zmq.endswith(":0"):
-            raise UsageError(
-                f"cameras.{name}.zmq: {camera.zmq} is that of {seen[camera.zmq]}: give each camera its own"
-            )
-        seen[camera.zmq] = name
+    for key in ("zmq", "dv"):
+        seen: dict[str, str] = {}
+        for name, camera in cameras.items():
+            address = getattr(camera, key)
+            if address in seen and not address.endswith(":0") and address != "off":
+                raise UsageError(
+                    f"cameras.{name}.{key}: {address} is that of {seen[address]}: give each camera its own"
+                )
+            seen[address] = name
 
 
 def schema() -> dict[str, Any]:

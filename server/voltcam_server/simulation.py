@@ -19,8 +19,10 @@ from voltcam_simulator import (
 )
 from voltcam_video import Frame, Image, along_cubic, along_flow, fit, follows
 
+from .beside import BesideEvents, DavisSettings
 from .camera_settings import Upsample
 from .compiling import CompiledEffects
+from .cores import threads_for
 from .interval import How, Interval, SimulationSetup, Start
 from .mailbox import Arrival
 from .overload import TOO_FAST, Load, OverloadSettings, coarser
@@ -51,8 +53,11 @@ class Simulation:
         seed: int,
         upsample: Upsample = "off",
         overload: OverloadSettings | None = None,
+        davis: DavisSettings | None = None,
     ) -> None:
         self.camera = camera
+        self._davis = davis or DavisSettings()
+        self._beside = BesideEvents(camera, seed, self._davis)
         self._law: Law = law
         self._overload = overload or OverloadSettings()
         self.load = Load()
@@ -64,7 +69,8 @@ class Simulation:
         self.fault = ""  # why the last unusable frame was one
         self._compiled = CompiledEffects(law)
         self.prepare(camera.parameters)
-        self._simulator = Simulator(camera.width, camera.height, camera.parameters, law, seed)
+        size = camera.width, camera.height
+        self._simulator = Simulator(*size, camera.parameters, law, seed, threads_for(*size))
         self._changes = ParameterChanges(self._simulator)
         self._upsample: Upsample = upsample
         self._next: Arrival | None = None  # with "cubic": what comes after the frame at hand
@@ -106,7 +112,9 @@ class Simulation:
     @property
     def setup(self) -> SimulationSetup:
         """What all its intervals are made with."""
-        return SimulationSetup(self.camera, self._law, self._simulator.seed, self._upsample)
+        return SimulationSetup(
+            self.camera, self._law, self._simulator.seed, self._upsample, self._davis.frames
+        )
 
     def start_of(self, source: str) -> Start:
         """The sensor before the next interval. For the thread that calls `step`."""
@@ -257,17 +265,20 @@ class Simulation:
         self._last_us = frame.t_us
         self._before, self._former = self._former, frame
         self._stuck = 0
+        parameters = self._simulator.parameters
+        beside = self._beside.until(frame.image, frame.t_us, parameters, jumped=how in ("jumped", "given up"))
         return Interval(
             events,
             start_us,
             frame.t_us if how == "replayed" else self._simulator.complete_us,
             frame.t_us,
             frame.image,
-            self._simulator.parameters,
+            parameters,
             self._changes.version,
             how,
             coarser,
             arrival.at_s,
             time.monotonic(),
             arrival.paced,
+            beside,
         )

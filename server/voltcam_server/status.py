@@ -149,7 +149,7 @@ class Status(BaseModel):
     """since the start, s"""
 
     transports: dict[str, TransportStatus]
-    """by name: zeromq, websocket"""
+    """by name: zeromq, websocket, dv"""
 
     recording: RecordingStatus | None
     """the one that runs, or has ended by itself; null where there is none"""

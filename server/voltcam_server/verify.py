@@ -13,6 +13,7 @@ from voltcam_client.formats import Recording, read
 from voltcam_simulator import Limits, Parameters, Simulator
 from voltcam_video import Frame, along_flow
 
+from .cores import threads_for
 from .manifest import Manifest, paths_of, software
 from .problems import UsageError
 
@@ -43,6 +44,10 @@ def verify(path: Path) -> Verdict:
     recording = read(path)
     images = _images(path, recording)
     head = manifest.head
+    if head.get("recorded_frames", "source") != "source":
+        raise UsageError(
+            f"{path} has no frames of its source to make its events from: record --frames source"
+        )
     if head["upsample"] == "cubic":
         raise UsageError(f"{path} was made with --upsample cubic, which needs frames that are not in it")
     now = software()
@@ -80,7 +85,10 @@ def _again(
     head = manifest.head
     assert t_us is not None
     parameters = Parameters.model_validate(head["parameters"])
-    simulator = Simulator(head["width"], head["height"], parameters, head["law"], head["seed"])
+    simulator = Simulator(
+        head["width"], head["height"], parameters, head["law"], head["seed"],
+        threads_for(head["width"], head["height"]),
+    )  # fmt: skip
     with np.load(paths_of(path)[1], allow_pickle=False) as state:
         former: Frame | None = None
         if state.files:

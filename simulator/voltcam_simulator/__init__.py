@@ -7,9 +7,11 @@ Pure: arrays in, arrays out; no network, no files but camera files, no clock, no
     events = simulator.advance(frame, t_us)
 """
 
+from .aps_frames import ApsFrame, ApsFrames
 from .camera import Camera
 from .camera_file import camera_names
 from .effect import EVENT
+from .imu import ImuAtRest
 from .law import Law
 from .limits import GivenUpError, Limits, TooLongError, TooManyEventsError
 from .parameters import Parameters
@@ -17,8 +19,11 @@ from .simulator import Simulator
 
 __all__ = [
     "EVENT",
+    "ApsFrame",
+    "ApsFrames",
     "Camera",
     "GivenUpError",
+    "ImuAtRest",
     "Law",
     "Limits",
     "Parameters",

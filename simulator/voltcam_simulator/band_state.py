@@ -30,3 +30,12 @@ class BandState:
     """Whether any of its pixels may be in a dead time."""
     rows_ahead: int = 0
     """How many of its rows are drawn ahead."""
+
+    def work_in(self, workspace: Workspace) -> None:
+        """Take the workspace of the thread that works on the band next."""
+        if workspace is not self.workspace:
+            self.workspace, band = workspace, self.band
+            band.light, band.response, band.drift, band.noise, band.bow, band.rate = workspace.planes[
+                :, : band.light.size
+            ]
+            self.motion = Motion(band.drift, band.noise)

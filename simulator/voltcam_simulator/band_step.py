@@ -31,6 +31,7 @@ class BandStepper:
         band.start_us, band.span_us, band.elapsed_us = start_us, span_us, elapsed_us
         band.light[:] = image[state.first_pixel : state.first_pixel + band.light.size]
         band.response.fill(0)
+        band.is_bent = False
         for effect in self._see:
             effect.see(band)
         for effect in self._respond:
@@ -64,8 +65,12 @@ class BandStepper:
             by_row = band.drift.reshape(-1, state.width)
             by_row += kicks.sizes.sum(axis=0)[:, None]
             in_reach = pixels._replace(above=pixels.above - kicks.slack, below=pixels.below - kicks.slack)
-        near, reset, careful = workspace.near, self._reset, state.has_held or kicks is not state.no_kicks
-        count = accumulate(*in_reach, *motion, band.span_us, state.width, state.rows.ahead, near)
-        workspace.draw(count, lambda done, keys: cross(
-            *pixels, *motion, *step, *reset, *kicks, careful, near, done, count, keys,
+        near, bent, reset, bend = workspace.near, workspace.bent, self._reset, band.bend
+        careful = state.has_held or kicks is not state.no_kicks
+        straight, curved = accumulate(
+            *in_reach, *motion, bend.bow, band.span_us, state.width, state.rows.ahead, near, bent
+        )
+        near, bent = near[:straight], bent[:curved]
+        workspace.draw(straight + curved, lambda done, keys: cross(
+            *pixels, *motion, *step, *reset, *kicks, *bend, careful, near, bent, done, keys,
         ))  # fmt: skip

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
+from .groups import Bend
 from .limits import Limits
 from .random import events_generator, events_key, pattern
 
@@ -27,6 +28,7 @@ EVENT = np.dtype([("t", "<i8"), ("x", "<u2"), ("y", "<u2"), ("p", "?")])
 """One event: t [us], x, y [pixels], p (True = ON). The same as the client's."""
 
 
+STRAIGHT = Bend(None, None)
 Plane = NDArray[np.float32]
 Image = NDArray[np.uint8] | Plane
 Events = NDArray[np.void]
@@ -94,6 +96,9 @@ class Band:
     response: Plane  # voltage that belongs to the light at the end [nominal thresholds]
     drift: Plane  # voltage gained over the step beside the response [nominal thresholds]
     noise: Plane  # sigma [1/sqrt(us)]
+    bow: Plane  # how far the voltage leaves a straight line over the step, see `bend` [nominal thresholds]
+    rate: Plane  # and how fast it comes back to it [time constants a step]
+    is_bent: bool = False  # whether bow and rate count
     noise2: Plane | None = None  # sigma^2 of independent noise [1/us]
     leak: Plane | None = None  # this band's part of the sensor's
     kicks: list[tuple[NDArray[np.float64], float]] = field(default_factory=list)
@@ -106,6 +111,11 @@ class Band:
     def end_us(self) -> float:
         """The instant of `light` and `response`."""
         return self.start_us + self.span_us
+
+    @property
+    def bend(self) -> Bend:
+        """How the response goes between the instants: straight, unless an effect has filled bow and rate."""
+        return Bend(self.bow, self.rate) if self.is_bent else STRAIGHT
 
     def independent_noise(self) -> Plane:
         """`noise2`, made when the first effect needs it."""
@@ -178,6 +188,9 @@ class Effect(BaseModel):
     steady: ClassVar[bool] = False
     """True for one that adds the same in each microsecond while the frames stand still, whatever was before,
     and leaves voltages alone: when all that are on are steady, rows that stand still are drawn ahead."""
+
+    feeds_back: ClassVar[bool] = False
+    """True for one whose `report` changes the pixels' voltages."""
 
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:

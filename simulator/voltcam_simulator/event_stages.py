@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .effect import EventInterval, Events, overrides
+from .effect import EventInterval, Events, Plane, overrides
 from .event_order import copied, merged
 from .parameters import Parameters
 from .pixel_array import PixelArray
@@ -34,18 +34,22 @@ class EventStages:
         former_us = self.complete_us if goes_on else self._stamped(t_us)
         self.read_us, self.complete_us = t_us, max(former_us, self._stamped(t_us))
 
-    def passed(self, events: Events, start_us: int, end_us: int, interval: int) -> Events:
+    @property
+    def feed_back(self) -> bool:
+        """Whether events on their way change the pixels."""
+        return any(effect.active and effect.feeds_back for effect in self._effects)
+
+    def passed(self, events: Events, start_us: int, end_us: int, interval: int, light: Plane) -> Events:
         """What leaves the camera by end_us of the pixels' events from start_us on, and of those before.
 
-        Raises GivenUpError.
+        light (pixels,): what the pixels see at end_us [DN]. Raises GivenUpError.
         """
         if not (self.waiting or self._any_active):
             self.read_us = self.complete_us = end_us
             return events
         pixels = self._pixels
         readout = EventInterval(
-            pixels.sensor, start_us, end_us, interval, pixels.state, pixels.voltage, pixels.light,
-            pixels.limits,
+            pixels.sensor, start_us, end_us, interval, pixels.state, pixels.voltage, light, pixels.limits,
         )  # fmt: skip
         for effect in self._effects:
             if effect.active:

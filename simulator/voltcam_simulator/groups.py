@@ -35,6 +35,18 @@ class Motion(NamedTuple):
     """sigma [1/sqrt(us)]."""
 
 
+class Bend(NamedTuple):
+    """How the mean path of each pixel leaves the straight line between its ends, see `bends`; planes (n,).
+
+    Both are None where nothing bends: the kernels are then compiled without.
+    """
+
+    bow: Any
+    """Its largest distance from that line, above it or (less than 0) below."""
+    rate: Any
+    """Time constants in the step, by which what bends it dies away."""
+
+
 class Step(NamedTuple):
     """One step of a band in time, and how its pixels are numbered; scalars."""
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from .bends import straightness
 from .groups import Pixels
 from .kernel import kernel
 
@@ -26,25 +27,32 @@ def add_response(light: Any, response: Any, drift: Any, last_light: Any, last_re
 
 @kernel
 def accumulate(
-    voltage: Any, pending: Any, held: Any, above: Any, below: Any, drift: Any, noise: Any, span_us: Any,
-    width: Any, ahead: Any, near: Any,
+    voltage: Any, pending: Any, held: Any, above: Any, below: Any, drift: Any, noise: Any, bow: Any,
+    span_us: Any, width: Any, ahead: Any, near: Any, bent: Any,
 ) -> Any:  # fmt: skip
     """Let drift and noise gather where no threshold is within reach, but not in rows that are drawn ahead.
 
-    Called as accumulate(*pixels, *motion, span_us, width, ahead, near), see `groups`. ahead (rows,) bool.
-    near (n + 1,) int32 receives the indices of the other pixels, which stay as they were. Returns their
-    number.
+    Called as accumulate(*pixels, *motion, bow, span_us, width, ahead, near, bent), see `groups`.
+    ahead (rows,) bool. near and bent (n + 1,) int32 receive the numbers of the other pixels, which stay as
+    they were: those whose mean path is straight, and those where it is not. Returns how many each are.
     """
-    span, row, count = np.float32(span_us), 0, 0
+    span, row, straight, curved = np.float32(span_us), 0, 0, 0
     while row < ahead.shape[0]:
         first = row
         while row < ahead.shape[0] and not ahead[row]:
             row += 1
         run = slice(first * width, row * width)
         several = Pixels(voltage[run], pending[run], held[run], above[run], below[run])
-        count += _accumulate(several, drift[run], noise[run], span, near[count:], run.start)
+        rest = near[straight:]
+        if bow is None:
+            straight += _accumulate(several, drift[run], noise[run], span, rest, run.start)
+        else:
+            more, others = _accumulate_bent(
+                several, drift[run], noise[run], bow[run], span, rest, bent[curved:], run.start
+            )
+            straight, curved = straight + more, curved + others
         row += 1
-    return count
+    return straight, curved
 
 
 @kernel
@@ -67,3 +75,32 @@ def _accumulate(pixels: Any, drift: Any, noise: Any, span: Any, near: Any, first
         near[count] = first + i
         count += not far[i]
     return count
+
+
+@kernel
+def _accumulate_bent(
+    pixels: Any, drift: Any, noise: Any, bow: Any, span: Any, near: Any, bent: Any, first: Any
+) -> Any:
+    """The same where mean paths may be bent: such a path goes no further beyond its ends than its bow."""
+    voltage, pending, held = pixels.voltage, pixels.pending, pixels.held
+    above, below = pixels.above, pixels.below
+    reach2, nothing = np.float32(REACH * REACH), np.float32(0)
+    tolerance, share = straightness(span)
+    far, straight = np.empty(voltage.shape[0], np.bool_), np.empty(voltage.shape[0], np.bool_)
+    for i in range(voltage.shape[0]):
+        start, aside = voltage[i], bow[i]
+        end = start + drift[i]
+        variance = pending[i] + noise[i] * noise[i] * span
+        highest, lowest = max(start, end) + max(aside, nothing), min(start, end) + min(aside, nothing)
+        closest = min(above[i] - highest, below[i] + lowest)
+        far[i] = (closest > 0) & (closest * closest > reach2 * variance) & (held[i] <= 0)
+        straight[i] = abs(aside) <= max(tolerance, share * abs(drift[i]))
+        voltage[i] = end if far[i] else start
+        pending[i] = variance if far[i] else pending[i]
+    count, curved = 0, 0
+    for i in range(voltage.shape[0]):
+        near[count] = first + i
+        bent[curved] = first + i
+        count += straight[i] & (not far[i])
+        curved += not (straight[i] | far[i])
+    return count, curved

@@ -1,7 +1,8 @@
 """All pixels of a sensor: their state planes, and one step of all of them, band of rows by band of rows."""
 
 import math
-from collections.abc import Mapping
+from collections import deque
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor, wait
 from typing import Any
 
@@ -24,6 +25,10 @@ from .workspace import Keys, Workspace
 
 BAND_PIXELS = 49152
 """Few enough for the planes of a band to stay in cache, enough to drown the calls' cost."""
+
+
+def nothing() -> None:
+    """Done meanwhile."""
 
 
 class PixelArray:
@@ -75,8 +80,7 @@ class PixelArray:
 
     def _divide(self) -> None:
         """Make the bands, over the planes and states as they are now."""
-        starts, spaces = range(0, self.height, self._band_rows), self._workspaces
-        self._bands = [self._band_state(row, spaces[i % len(spaces)]) for i, row in enumerate(starts)]
+        self._bands = [self._band_state(row) for row in range(0, self.height, self._band_rows)]
 
     def _shared(self, theta: Plane) -> tuple[Plane, Plane]:
         """Thresholds (height, width), and flat; if all are the same, as one number, and flat for one band."""
@@ -84,16 +88,17 @@ class PixelArray:
             return np.broadcast_to(theta[0, 0], theta.shape), theta[: self._band_rows].flatten()
         return theta, theta.ravel()
 
-    def _band_state(self, first_row: int, workspace: Workspace) -> BandState:
-        """The band that starts at a row, for the thread of a workspace."""
+    def _band_state(self, first_row: int) -> BandState:
+        """The band that starts at a row, in this thread's workspace."""
+        workspace = self._workspaces[0]
         end_row = min(first_row + self._band_rows, self.height)
         place = slice(first_row * self.width, end_row * self.width)
         size = place.stop - place.start
         sensor = self.sensor
-        light, response, drift, noise = workspace.planes[:, :size]
+        light, response, drift, noise, bow, rate = workspace.planes[:, :size]
         band = Band(
             sensor, first_row, 0, 0.0, 0.0, sensor.temperature_c,
-            self.light[place], light, response, drift, noise,
+            self.light[place], light, response, drift, noise, bow, rate,
             leak=None if sensor.leak is None else sensor.leak.ravel()[place],
             planes={
                 name: {k: a[place] if is_plane(a, self.voltage) else a for k, a in state.items()}
@@ -181,24 +186,28 @@ class PixelArray:
         if self._still.allowed:
             self._still.look(before, after, span_us)
 
-    def step(self, image: Image, start_us: int, offset_us: float, span_us: float) -> None:
+    def step(
+        self, image: Image, start_us: int, offset_us: float, span_us: float,
+        meanwhile: Callable[[], None] = nothing,
+    ) -> None:  # fmt: skip
         """From the last instant to the next, at which the sensor sees `image` (pixels,) DN.
 
-        The step starts offset_us after start_us, from which its events are timed.
+        The step starts offset_us after start_us, from which its events are timed. meanwhile: what this
+        thread does before it joins the others.
         """
         self.limits.hurry()
         key = interval_key(self.seed, CROSSINGS, self._steps)
+        waiting = deque(self._bands)
 
         def share(workspace: Workspace) -> None:
-            for state in self._bands:
-                if state.workspace is workspace:
-                    self._step(state, image, key, start_us, offset_us, span_us)
+            workspace.most_keys, workspace.limits = self.limits.most_events, self.limits
+            while state := _next(waiting):
+                state.work_in(workspace)
+                self._step(state, image, key, start_us, offset_us, span_us)
 
-        for workspace in self._workspaces:
-            workspace.most_keys = self.limits.most_events // len(self._workspaces)
-            workspace.limits = self.limits
         others = [self._pool.submit(share, workspace) for workspace in self._workspaces[1:]]
         try:
+            meanwhile()
             share(self._workspaces[0])
         finally:
             wait(others)
@@ -224,8 +233,9 @@ class PixelArray:
             self._still.draw_ahead(state, span_us)
 
     def take_keys(self) -> Keys:
-        """The event keys of the steps since the last call."""
+        """The event keys of the steps since the last call. Raises TooManyEventsError."""
         taken = [workspace.take_keys() for workspace in self._workspaces]
+        self.limits.admit(sum(map(len, taken)))
         return taken[0] if len(taken) == 1 else np.concatenate(taken)
 
     def abandon(self) -> None:
@@ -248,6 +258,14 @@ class PixelArray:
     def event_bytes(self) -> int:
         """Memory of the space for the events of an interval."""
         return sum(workspace.event_bytes for workspace in self._workspaces)
+
+
+def _next(waiting: deque[BandState]) -> BandState | None:
+    """The next band that no thread has taken."""
+    try:
+        return waiting.popleft()
+    except IndexError:
+        return None
 
 
 def is_plane(array: NDArray[np.generic], voltage: Plane) -> bool:

@@ -1,14 +1,14 @@
 """The simulator: frames one by one in, time-sorted events out, every pixel's voltage kept between them."""
 
 import math
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .camera_file import SIDE_LIMIT
-from .effect import EVENT, Events, Image
+from .effect import EVENT, Events, Image, Plane
 from .event_key import TIME_BITS, unpack
 from .event_stages import EventStages
 from .fixed_pattern import FixedPattern
@@ -16,10 +16,22 @@ from .kernel import kernel
 from .law import Law
 from .limits import GivenUpError, Limits
 from .parameters import Parameters
-from .pixel_array import PixelArray
+from .pixel_array import PixelArray, nothing
+from .workspace import Keys
 
 NO_LIMITS = Limits()
 LONGEST_INTERVAL_US = 2**TIME_BITS - 1
+
+
+class Drawn(NamedTuple):
+    """An interval whose pixels are done, and whose events have the stages behind the pixels before them."""
+
+    keys: Keys
+    start_us: int
+    end_us: int
+    interval: int
+    light: Plane
+    """What the pixels see at its end."""
 
 
 class Simulator:
@@ -53,6 +65,7 @@ class Simulator:
         if not 0 <= seed < 2**63:
             raise ValueError(f"seed {seed} is out of range: give 0 to 2^63 - 1")
         self.width, self.height, self.law, self.seed = width, height, law, seed
+        self._threads = threads
         self._pixels = PixelArray(width, height, law, seed, threads)
         self._frame: Image | None = None
         self._t_us = 0
@@ -115,6 +128,57 @@ class Simulator:
         if self._frame is None:
             self.jump(image, t_us)
             return np.empty(0, EVENT)
+        try:
+            events = self._reported(self._drawn(image, t_us, limits))
+        except GivenUpError:
+            self._pixels.abandon()
+            raise
+        self._reached(image, t_us)
+        return events
+
+    def stream(self, frames: Iterable[tuple[ArrayLike, int]]) -> Iterator[Events]:
+        """The events of `advance` for each (frame, t_us), one after the other.
+
+        With several threads, events of an interval go through the stages behind the pixels while the pixels
+        of the next are drawn; so a frame is read before the events of the one before it are given. Until
+        the last are given, nothing else may be done with the sensor. Raises as `advance` does, and what
+        `frames` raises, after the events of the frames before.
+        """
+        if self._threads == 1 or self._stages.feed_back:
+            for frame, t_us in frames:
+                yield self.advance(frame, t_us)
+            return
+        behind: list[Drawn] = []  # one at most, as of done
+        done: list[Events] = []
+
+        def report() -> None:
+            while behind:
+                done.append(self._reported(behind.pop()))
+
+        try:
+            for frame, t_us in frames:
+                if self._frame is None:
+                    yield self.advance(frame, t_us)
+                    continue
+                image = self._checked(frame)
+                drawn = self._drawn(image, t_us, NO_LIMITS, report)
+                self._reached(image, t_us)
+                behind.append(drawn)
+                while done:
+                    yield done.pop()
+        except Exception:
+            report()
+            yield from done
+            raise
+        report()
+        yield from done
+
+    def _drawn(
+        self, image: Image, t_us: int, limits: Limits, meanwhile: Callable[[], None] = nothing
+    ) -> Drawn:
+        """All pixels at the next frame, with something else done meanwhile. Raises ValueError, with nothing
+        changed or done; GivenUpError."""
+        assert self._frame is not None
         span_us = t_us - self._t_us
         if span_us <= 0:
             raise ValueError(f"the frame at {t_us} us does not come after the last one at {self._t_us} us")
@@ -122,15 +186,21 @@ class Simulator:
             raise ValueError(f"{span_us / 3.6e9:.0f} hours between two frames: at most 38 are possible")
         self._pixels.limits = limits
         self._pixels.look(self._frame, image, float(span_us))
-        try:
-            self._steps(self._frame.ravel(), image.ravel(), span_us, limits.coarser)
-            events = self._stages.passed(self._sorted(), self._t_us, t_us, self._intervals)
-        except GivenUpError:
-            self._pixels.abandon()
-            raise
+        self._steps(self._frame.ravel(), image.ravel(), span_us, limits.coarser, meanwhile)
+        light = self._pixels.light if self._threads == 1 else self._pixels.light.copy()
+        return Drawn(self._pixels.take_keys(), self._t_us, t_us, self._intervals, light)
+
+    def _reported(self, drawn: Drawn) -> Events:
+        """The events of an interval that leave the camera. Raises GivenUpError."""
+        keys, start_us = drawn.keys, drawn.start_us
+        keys.sort()
+        events = np.empty(keys.size, EVENT)
+        unpack(keys, start_us, events["t"], events["x"], events["y"], events["p"])
+        return self._stages.passed(events, start_us, drawn.end_us, drawn.interval, drawn.light)
+
+    def _reached(self, image: Image, t_us: int) -> None:
         self._frame, self._t_us = image, t_us
         self._intervals += 1
-        return events
 
     def jump(self, frame: ArrayLike, t_us: int) -> None:
         """Go on from another frame and time, earlier or later, with no events for the change.
@@ -173,7 +243,9 @@ class Simulator:
             name.removeprefix(begin): saved[name].astype(EVENT) for name in saved if name.startswith(begin)
         }
 
-    def _steps(self, before: Image, after: Image, span_us: int, coarser: float) -> None:
+    def _steps(
+        self, before: Image, after: Image, span_us: int, coarser: float, meanwhile: Callable[[], None]
+    ) -> None:
         """The interval in steps that are short enough for every effect; light goes in a straight line."""
         steps = min(max(1, math.ceil(span_us / (self._pixels.longest_step_us * coarser))), span_us)
         start = 0
@@ -183,15 +255,8 @@ class Simulator:
             if step < steps:
                 share = np.float32(end / span_us)
                 image = ((1 - share) * before + share * after).astype(np.float32, copy=False)
-            self._pixels.step(image, self._t_us, float(start), float(end - start))
-            start = end
-
-    def _sorted(self) -> Events:
-        keys = self._pixels.take_keys()
-        keys.sort()
-        events = np.empty(keys.size, EVENT)
-        unpack(keys, self._t_us, events["t"], events["x"], events["y"], events["p"])
-        return events
+            self._pixels.step(image, self._t_us, float(start), float(end - start), meanwhile)
+            start, meanwhile = end, nothing
 
     def _checked(self, frame: ArrayLike) -> Image:
         """The frame as an own (height, width) array, uint8 or float32."""

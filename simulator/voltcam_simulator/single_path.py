@@ -29,29 +29,35 @@ class Pixel(NamedTuple):
 
 @kernel
 def follow_kicked(
-    state: Any, x: Any, drift: Any, now: Any, span: Any, pixel: Any, reset: Any, kick_times: Any,
+    state: Any, x: Any, drift: Any, now: Any, begin: Any, end: Any, pixel: Any, reset: Any, kick_times: Any,
     kick_sizes: Any, cuts: Any, keys: Any, written: Any,
 ) -> Any:  # fmt: skip
-    """The whole step of one pixel from voltage x, free from `now` on, with kicks (kicks,), dead time, resets.
+    """The path of one pixel from begin to end, of voltage x at first and free from `now` on, with its kicks.
 
+    kick_times (kicks,) in order, kick_sizes: those within (begin, end] count, and are in the drift.
     Returns (written, voltage at the end, time from which the pixel is free), as `follow`.
     """
-    kicks = kick_sizes.shape[0]
-    slope = (drift - kick_sizes.sum()) / span
-    for kick in range(kicks + 1):  # the path up to each kick, and to the end
-        end = span if kick == kicks else min(kick_times[kick], span)
-        if end > now:
+    first, last, kicked = 0, 0, 0.0
+    for kick in range(kick_sizes.shape[0]):
+        first += kick_times[kick] <= begin
+        last += kick_times[kick] <= end
+    for kick in range(first, last):
+        kicked += kick_sizes[kick]
+    slope = (drift - kicked) / (end - begin)
+    for kick in range(first, last + 1):  # the path up to each kick, and to the end
+        until = kick_times[kick] if kick < last else end
+        if until > now:
             x = min(max(x, -pixel.below), pixel.above)
             state, gauss = normal(state)
-            variance = pixel.noise2 * (end - now)
-            y = x + slope * (end - now) + math.sqrt(variance) * gauss
+            variance = pixel.noise2 * (until - now)
+            y = x + slope * (until - now) + math.sqrt(variance) * gauss
             if stays_inside(x, y, pixel.above, pixel.below, variance):
-                x, now = y, end
+                x, now = y, until
             else:
-                state, written, x, now = follow(state, x, y, now, end, pixel, reset, cuts, keys, written)
+                state, written, x, now = follow(state, x, y, now, until, pixel, reset, cuts, keys, written)
                 if written < 0:
                     return written, x, now
-        if kick < kicks and now <= end:  # in its dead time a pixel memorises the kick
+        if kick < last and now <= until:  # in its dead time a pixel memorises the kick
             x += kick_sizes[kick]
     return written, x, now
 

@@ -20,9 +20,9 @@ class Workspace:
     """Of one thread, for one band of at most so many pixels at a time."""
 
     def __init__(self, pixels: int) -> None:
-        self.planes = np.empty((4, pixels), np.float32)
+        self.planes = np.empty((6, pixels), np.float32)
         self.zeros = np.zeros(pixels, np.float32)  # for pixels without dead times, without kicks
-        self.near = np.empty(pixels + 1, np.int32)  # numbers of the pixels that a kernel has found
+        self.near, self.bent = np.empty((2, pixels + 1), np.int32)  # numbers of pixels that a kernel found
         self._keys = np.empty(FIRST_KEYS, np.uint64)
         self._filled = 0
         self.most_keys, self.limits = sys.maxsize, Limits()  # of one interval
@@ -56,7 +56,7 @@ class Workspace:
     @property
     def nbytes(self) -> int:
         """Memory of the scratch planes, without the events."""
-        return self.planes.nbytes + self.zeros.nbytes + self.near.nbytes
+        return self.planes.nbytes + self.zeros.nbytes + self.near.nbytes + self.bent.nbytes
 
     @property
     def event_bytes(self) -> int:

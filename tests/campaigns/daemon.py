@@ -22,7 +22,7 @@ class Daemon:
     def __init__(self, *arguments: str, memory_bytes: int) -> None:
         command = [str(Path(sys.executable).with_name("voltcam")), "serve", "--http", "127.0.0.1:0"]
         self.process = subprocess.Popen(
-            [*command, "--zmq", "tcp://127.0.0.1:0", *arguments],
+            [*command, "--zmq", "tcp://127.0.0.1:0", "--dv", "127.0.0.1:0", *arguments],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,

@@ -10,7 +10,7 @@ from rosbags import rosbag1, rosbag2
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from voltcam_client.encodings import EVENT
-from voltcam_client.formats import open_writer, read
+from voltcam_client.formats import SUFFIXES, open_writer, read
 
 
 def small_recordings(folder: Path) -> list[Path]:
@@ -22,8 +22,8 @@ def small_recordings(folder: Path) -> list[Path]:
     events["p"] = rng.random(400) < 0.5
     frames = rng.integers(0, 255, (3, 20, 20), np.uint8)
     paths = []
-    for suffix in (".npz", ".txt", ".csv", ".raw"):
-        path = folder / f"seed{suffix}"
+    for suffix in SUFFIXES:
+        path = folder / f"ours{suffix}"
         with open_writer(path, width=20, height=20) as writer:
             writer.events(events)
             if writer.holds_frames:
@@ -37,7 +37,19 @@ def small_recordings(folder: Path) -> list[Path]:
                 file.create_dataset(f"events/{column}", data=events[column].astype("<i8"), **options)
             file["t_offset"] = 5
         paths.append(path)
-    return paths + _aedat4(folder, events) + _bags(folder, events)
+    return paths + _aedat2(folder, events) + _aedat4(folder, events) + _bags(folder, events)
+
+
+def _aedat2(folder: Path, events: "np.ndarray") -> list[Path]:
+    paths = []
+    for chip, x_bit, y_bit, on_bit in (("Davis346blue", 12, 22, 11), ("DVS128", 1, 8, 0)):
+        records = np.empty((events.size, 2), ">u4")
+        x, y, p = (events[name].astype("<u4") for name in "xyp")
+        records[:, 0] = x << x_bit | y << y_bit | p << on_bit
+        records[:, 1] = events["t"]
+        paths.append(folder / f"{chip}.aedat")
+        paths[-1].write_bytes(f"#!AER-DAT2.0\r\n# AEChip: {chip}\r\n".encode() + records.tobytes())
+    return paths
 
 
 def _aedat4(folder: Path, events: "np.ndarray") -> list[Path]:
@@ -50,7 +62,7 @@ def _aedat4(folder: Path, events: "np.ndarray") -> list[Path]:
     theirs = np.empty(events.size, faery.EVENTS_DTYPE)
     for name, their_name in (("t", "t"), ("x", "x"), ("y", "y"), ("p", "on")):
         theirs[their_name] = events[name]
-    path = folder / "seed.aedat4"
+    path = folder / "packed.aedat4"
     with aedat.Encoder(path, [tree], ("lz4", 1)) as encoder:
         encoder.write(0, theirs)
     return [path]

@@ -14,7 +14,7 @@ from voltcam_client.formats import read
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("suffix", [".npz", ".raw"])
+@pytest.mark.parametrize("suffix", [".npz", ".raw", ".aedat4"])
 def test_record_ends_well_on_a_signal(
     running_camera: str, tmp_path: Path, number: signal.Signals, suffix: str
 ) -> None:

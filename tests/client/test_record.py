@@ -13,6 +13,14 @@ from voltcam_client import VoltcamError
 from voltcam_client.formats import read
 from voltcam_client.packet import TOPIC_FRAMES
 from voltcam_client.record import Progress, record
+from voltcam_client.samples import (
+    IMU,
+    TOPIC_IMU,
+    TOPIC_TRIGGERS,
+    TRIGGER,
+    SamplesMessage,
+    encode_samples,
+)
 
 
 def record_what(
@@ -40,13 +48,37 @@ def record_what(
         thread.join(10)
 
 
-@pytest.mark.parametrize("suffix", [".npz", ".raw", ".csv", ".txt"])
+@pytest.mark.parametrize("suffix", [".npz", ".raw", ".csv", ".txt", ".aedat4"])
 def test_every_event_is_in_the_file(publisher: Any, make_packet: Any, tmp_path: Path, suffix: str) -> None:
     packets = [make_packet(seq, 50) for seq in range(40)]
     path = tmp_path / f"run{suffix}"
     progress = record_what(publisher, path, lambda: publisher.send(*packets), 2000, frames=False)
     assert (progress.events, progress.frames, progress.lost_packets) == (2000, 0, 0)
     np.testing.assert_array_equal(read(path).events, np.concatenate([packet.events for packet in packets]))
+
+
+def test_imu_and_triggers_are_recorded_where_the_format_holds_them(
+    publisher: Any, make_packet: Any, tmp_path: Path
+) -> None:
+    dv = pytest.importorskip("dv_processing", reason="dv-processing, the oracle, is not installed")
+    path = tmp_path / "run.aedat4"
+    imu = np.array([(7, 25.5, (0, -1, 0), (1, 2, 3))], IMU)
+    triggers = np.array([(5, 1), (8, 2)], TRIGGER)
+
+    def send() -> None:
+        publisher.send(make_packet(0))
+        for topic, samples in ((TOPIC_IMU, imu), (TOPIC_TRIGGERS, triggers)):
+            publisher.wait_for_subscribers(topic)
+            message = SamplesMessage(samples=samples, seq=0, stamp_ns=1)
+            publisher.send_raw(topic, *encode_samples(message))
+        for seq in range(1, 100):
+            publisher.send(make_packet(seq))
+            time.sleep(0.002)  # so that the samples, which come on their own connection, are not too late
+
+    record_what(publisher, path, send, 1000)
+    recording = dv.io.MonoCameraRecording(str(path))
+    assert [each.timestamp for each in recording.getNextImuBatch()] == [7]
+    assert [each.timestamp for each in recording.getNextTriggerBatch()] == [5, 8]
 
 
 def test_frames_are_recorded_with_their_times(

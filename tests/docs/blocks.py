@@ -23,7 +23,7 @@ COMMENT = re.compile(r"<!-- *(not run|given): *(.*?) *-->", re.DOTALL)
 RUN = ("python", "sh", "yaml", "json")
 BEYOND = re.compile(
     r"\b(make|git|docker|pip|sudo|apt|calibrate|diagnose|evaluate|bench|doctor)\b"
-    r"|/dev/|rtsp:|\.aedat4|\.bag|_diagnosis\("
+    r"|/dev/|rtsp:|\.bag|_diagnosis\("
 )
 """What a test has not, or not the time for. README.md is not to be cluttered, and needs no comment there."""
 

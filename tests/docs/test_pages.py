@@ -23,7 +23,9 @@ from voltcam_simulator import Camera
 
 LIMIT_S = 240
 PAGES = pages()
-LIVE = re.compile(r"(127\.0\.0\.1|localhost):[58]560|voltcam (listen|record|status)")
+LIVE = re.compile(
+    r"(127\.0\.0\.1|localhost):([58]560|7777)|\"127\.0\.0\.1\", 7777|voltcam (listen|record|status|biases)"
+)
 
 
 def name_of(page: Path) -> str:
@@ -62,7 +64,7 @@ class Reader:
         for port, address in (("5560", self.daemon.zmq), ("8560", self.daemon.url)):
             place = address.split("//")[1].rstrip("/")
             text = re.sub(rf"(127\.0\.0\.1|localhost):{port}", place, text)
-        return text
+        return re.sub(r"\b7777\b", str(self.daemon.get("camera")["dv"]).rpartition(":")[2], text)
 
     def run(self, block: Block, page: Path) -> None:
         for thing in block.given:

@@ -6,6 +6,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from tests.docs.blocks import DOCS, blocks
 
 from voltcam_client.formats import open_writer
 from voltcam_simulator import Camera, Parameters, Simulator
@@ -59,6 +60,12 @@ def config_file(path: Path) -> None:
     path.write_text("camera: davis346\n")
 
 
+def program_of_dv(path: Path) -> None:
+    """The first block of the page on dv-processing, as it stands there."""
+    page = DOCS / "how-to" / "dv-processing.md"
+    path.write_text(next(block.text for block in blocks(page) if block.language == "python"))
+
+
 THINGS: dict[str, Callable[[Path], None]] = {
     "*.mp4": video,
     "frames.npz": only_frames,
@@ -66,7 +73,9 @@ THINGS: dict[str, Callable[[Path], None]] = {
     "*.txt": recording,
     "*.csv": recording,
     "*.raw": recording,
+    "*.aedat4": recording,
     "slider_depth": dataset,
+    "filter.py": program_of_dv,
     "voltcam.yaml": config_file,
     "robot.yaml": config_file,
     "*.yaml": camera_file,

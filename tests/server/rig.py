@@ -34,6 +34,13 @@ from voltcam_client.packet import (
     decode_frame,
     decode_packet,
 )
+from voltcam_client.samples import (
+    TOPIC_IMU,
+    TOPIC_TRIGGERS,
+    SamplesMessage,
+    decode_imu,
+    decode_triggers,
+)
 from voltcam_server.access import AccessSettings, SourceRules, Tokens
 from voltcam_server.api import Access, create_app
 from voltcam_server.camera_settings import CameraSettings
@@ -96,6 +103,8 @@ class Listener(Transport):
         super().__init__()
         self.packets: list[Packet] = []
         self.frames: list[FrameMessage] = []
+        self.imu: list[SamplesMessage] = []
+        self.triggers: list[SamplesMessage] = []
         self.statuses: list[dict[str, Any]] = []
         self._heard = threading.Condition()
 
@@ -120,6 +129,10 @@ class Listener(Transport):
             if message.topic == TOPIC_FRAMES:
                 header, buffer = message.parts("")
                 self.frames.append(decode_frame(header, buffer))
+            if message.topic == TOPIC_IMU:
+                self.imu.append(decode_imu(*message.parts("")))
+            if message.topic == TOPIC_TRIGGERS:
+                self.triggers.append(decode_triggers(*message.parts("")))
             if message.topic == TOPIC_STATUS:
                 self.statuses.append(msgpack.unpackb(message.parts("")[0]))
             self._heard.notify_all()

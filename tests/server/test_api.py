@@ -52,6 +52,7 @@ def test_openapi_describes_the_bodies(api: Api) -> None:
         "/parameters/file",
         "/parameters/schema",
         "/presets",
+        "/biases",
         "/source",
         "/recording",
         "/diagnosis",

@@ -72,5 +72,5 @@ def test_all_of_the_plan_is_measured_and_no_two_figures_have_one_name(
     printed = capsys.readouterr().out
     figures = json.loads(printed)["figures"]
     names = [figure["name"] for figure in figures]
-    assert len(set(names)) == len(names) == 17
+    assert len(set(names)) == len(names) == 18
     assert all(np.isfinite(figure["median"]) for figure in figures)

@@ -145,6 +145,35 @@ def test_a_camera_file_is_saved_and_loaded(api: Api) -> None:
     assert api.http.get("parameters").json() == loaded
 
 
+def test_biases_change_the_parameters_that_depend_on_them() -> None:
+    with serving() as api:
+        usual = api.http.get("biases").json()
+        assert usual["ONBn_fine"] == 200
+        before = api.http.get("parameters").json()
+        after = api.http.patch("biases", json={"RefrBp_coarse": 3, "ONBn_fine": 100})
+        assert after.json() == usual | {"RefrBp_coarse": 3, "ONBn_fine": 100}
+        assert api.http.get("biases").json() == after.json()
+        now = api.http.get("parameters").json()
+        assert now["parameters_version"] == before["parameters_version"] + 1
+        assert now["parameters"]["comparator"]["theta_on"] < before["parameters"]["comparator"]["theta_on"]
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ({"ONBn_fine": 256}, "ONBn_fine: Input should be less than or equal to 255"),
+        ({"OnBn_fine": 25}, "OnBn_fine: there is no such key"),
+        ({"ONBn_coarse": 1.5}, "ONBn_coarse"),
+    ],
+)
+def test_a_bias_that_cannot_be_changes_nothing(api: Api, body: dict[str, Any], words: str) -> None:
+    before = api.http.get("parameters").json()
+    refused = api.http.patch("biases", json=body)
+    assert refused.status_code == 422
+    assert words in refused.json()["detail"]
+    assert api.http.get("parameters").json() == before
+
+
 def test_presets_can_be_set(api: Api) -> None:
     presets = api.http.get("presets").json()
     assert presets.keys() == set(camera_names())

@@ -108,6 +108,26 @@ def test_endpoints_that_are_none(zmq: str) -> None:
         CameraSettings(zmq=zmq)
 
 
+@pytest.mark.parametrize(
+    ("dv", "taken"),
+    [("127.0.0.1:7777", "127.0.0.1:7777"), ("[::1]:0", "[::1]:0"), ("off", "off"), (False, "off")],
+)
+def test_dv_addresses(dv: Any, taken: str) -> None:
+    assert CameraSettings(dv=dv).dv == taken
+
+
+@pytest.mark.parametrize("dv", ["banana", "7777", "tcp://127.0.0.1:7777", True, 7777])
+def test_dv_addresses_that_are_none(dv: Any) -> None:
+    with pytest.raises(ValidationError, match=r"give HOST:PORT, such as 127\.0\.0\.1:7777, or off"):
+        CameraSettings(dv=dv)
+
+
+def test_four_ports_are_needed() -> None:
+    assert CameraSettings(dv="127.0.0.1:65532").dv
+    with pytest.raises(ValidationError, match="take 4 ports, and none is above 65535"):
+        CameraSettings(dv="127.0.0.1:65533")
+
+
 def test_a_camera_is_a_name_or_a_file(tmp_path: Path) -> None:
     path = tmp_path / "mine.yaml"
     path.write_text(Camera.load("paper").to_yaml())

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from voltcam_client.encodings import EVENT
 from voltcam_client.formats import open_writer, read
 from voltcam_server.convert import Conversion, convert
 from voltcam_server.problems import UsageError
@@ -27,7 +28,7 @@ def job(source: str | Path, output: Path, camera: Camera | None = None) -> Conve
 
 
 @pytest.mark.parametrize("start_us", [0, 1_700_000_000_000_000])
-@pytest.mark.parametrize("suffix", [".npz", ".txt", ".csv", ".raw"])
+@pytest.mark.parametrize("suffix", [".npz", ".txt", ".csv", ".raw", ".aedat4"])
 def test_every_frame_is_simulated(tmp_path: Path, suffix: str, start_us: int) -> None:
     camera, output = tiny(), tmp_path / f"out{suffix}"
     frames = moving_frames(50, camera)
@@ -36,6 +37,29 @@ def test_every_frame_is_simulated(tmp_path: Path, suffix: str, start_us: int) ->
     expected = [simulator.advance(image, start_us + 10_000 * i) for i, image in enumerate(frames)]
     np.testing.assert_array_equal(read(output).events, np.concatenate(expected))
     assert f"{sum(map(len, expected))} events from 50 frames" in words
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".h5", ".bag", ".dvs.mcap", ".db3"])
+def test_a_copy_has_events_and_frames_and_simulates_nothing(tmp_path: Path, suffix: str) -> None:
+    events = np.array([(5, 1, 2, True), (90_000, 3, 1, False)], EVENT)
+    with open_writer(tmp_path / "in.npz", width=24, height=16) as writer:
+        writer.events(events)
+        writer.frame(np.full((16, 24), 7, np.uint8), 50)
+    output = tmp_path / f"out{suffix}"
+    words = convert(replace(job(tmp_path / "in.npz", output), copy=True))
+    assert words == f"{output}: 2 events copied from {tmp_path / 'in.npz'}, nothing simulated"
+    recording = read(output)
+    np.testing.assert_array_equal(recording.events, events)
+    assert recording.frames is not None
+    assert (recording.frames.shape, recording.width, recording.height) == ((1, 16, 24), 24, 16)
+
+
+def test_what_the_format_cannot_carry_is_said(tmp_path: Path) -> None:
+    with open_writer(tmp_path / "in.npz", width=24, height=16) as writer:
+        writer.frame(np.full((16, 24), 7, np.uint8), 50)
+    for suffix, lost in ((".raw", "frames"), (".es", "frames and the time of day")):
+        words = convert(replace(job(tmp_path / "in.npz", tmp_path / f"out{suffix}"), copy=True))
+        assert words.endswith(f"; without {lost}, which {suffix} cannot carry")
 
 
 def test_frames_are_fitted_to_the_camera(tmp_path: Path) -> None:

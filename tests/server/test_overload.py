@@ -169,7 +169,7 @@ def test_an_interval_that_takes_too_long_is_given_up() -> None:
     """Few events, many steps: bounded by time alone."""
     overload = OverloadSettings(longest_work_s=0.01)
     simulation = Simulation(Camera(name="large", width=800, height=600), "exact", 0, overload=overload)
-    simulation.change({"photoreceptor_bandwidth": {"cutoff_hz": 1000}})
+    simulation.change({"flicker": {"frequency_hz": 1000, "depth": 0.1}})
     grey = np.full((600, 800), 50, np.uint8)
     simulation.step(arrival(grey, 0))
     simulation.step(arrival(grey + 50, 900_000))

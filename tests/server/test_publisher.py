@@ -1,18 +1,21 @@
 """What leaves a camera: packets and frames, numbered, counted and as they were made."""
 
 import time
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from voltcam_client.packet import TOPIC_STATUS
+from voltcam_client.samples import IMU, TRIGGER
+from voltcam_server.beside import Beside
 from voltcam_server.interval import Interval
 from voltcam_server.messages import Message, status_message
 from voltcam_server.pacer import Slice
 from voltcam_server.publisher import Publisher
 from voltcam_server.stages import stage_histogram
-from voltcam_simulator import EVENT, Parameters
+from voltcam_simulator import EVENT, ApsFrame, Parameters
 
 from .rig import Listener, tiny
 
@@ -116,3 +119,27 @@ def test_any_message_goes_to_all_transports(transports: list[Kept]) -> None:
     publisher(transports).publish(status_message({"load": 1}))
     assert [transport.statuses for transport in transports] == [[{"load": 1}]] * 2
     assert status_message({}).topic == TOPIC_STATUS
+
+
+def test_what_is_beside_events_leaves_with_them_in_order_of_time(transports: list[Kept]) -> None:
+    exposures = [(START_US + t, START_US + t + 50) for t in (1000, 6000)]
+    frames = tuple(ApsFrame(GREY, exposure_us, exposure_us) for exposure_us in exposures)
+    imu = np.zeros(3, IMU)
+    imu["t"] = START_US + np.array([500, 2500, 9500])
+    triggers = np.array([(START_US + 10_000, 1)], TRIGGER)
+    asked = replace(interval(GREY), beside=Beside(frames, imu, triggers))
+    publish = Publisher(tiny(), transports, lambda: 0, stage_histogram(), "aps")
+    kept = transports[0]
+    publish.send_events(asked, piece(1, START_US, START_US + 2000))
+    assert ([frame.seq for frame in kept.frames], [len(each.samples) for each in kept.imu]) == ([0], [1])
+    publish.send_events(asked, piece(1, START_US + 2000, START_US + 10_000))
+    assert [frame.exposure_us for frame in kept.frames] == exposures
+    assert [frame.t_us for frame in kept.frames] == [START_US + 1025, START_US + 6025]
+    assert kept.triggers == []
+    publish.end_interval(asked)
+    np.testing.assert_array_equal(np.concatenate([each.samples for each in kept.imu]), imu)
+    assert [each.seq for each in kept.imu] == [0, 1]
+    np.testing.assert_array_equal(kept.triggers[0].samples, triggers)
+    publish.end_interval(replace(interval(GREY), beside=Beside((), imu, triggers)))
+    assert [each.seq for each in kept.imu] == [0, 1, 2]
+    assert len(kept.frames) == 2  # none of the source

@@ -155,6 +155,18 @@ def test_files_are_rotated_by_time_and_by_size(tmp_path: Path) -> None:
             assert sent[sent.index(times[0]) : sent.index(times[-1]) + 1] == times.tolist()
 
 
+def test_files_whose_suffix_has_two_parts_are_numbered_before_it(tmp_path: Path) -> None:
+    with emulating(SCENE) as (emulator, listener):
+        listener.wait(lambda it: it.frames)
+        emulator.record(RecordingPlan(tmp_path / "out.evt2.raw", rotate_s=0.2))
+        until(lambda: emulator.status.recording.files >= 2, "the next file")  # type: ignore[union-attr]
+        done = emulator.end_recording()
+    assert (done.error, done.left_out) == (None, "without frames, which .evt2.raw cannot carry")
+    files = sorted(tmp_path.glob("*.evt2.raw"))
+    assert {"out-002.evt2.raw", "out.evt2.raw"} <= {file.name for file in files}
+    assert all(file.read_bytes().startswith(b"% evt 2.0") for file in files)
+
+
 def test_a_recording_ends_before_the_disk_is_full(tmp_path: Path) -> None:
     with emulating(SCENE) as (emulator, listener):
         listener.wait(lambda it: it.frames)

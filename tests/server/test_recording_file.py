@@ -6,18 +6,23 @@ import numpy as np
 import pytest
 
 from voltcam_client.formats import FormatError, RecordingError, read
+from voltcam_server.beside import DavisSettings
 from voltcam_server.interval import Interval
 from voltcam_server.manifest import Manifest, ManifestWriter
+from voltcam_server.problems import UsageError
 from voltcam_server.recording_file import RecordingFile
 from voltcam_server.simulation import Simulation
+from voltcam_server.verify import verify
 
 from .rig import LIVELY, arrival, moving_frames, tiny
 
 
-def recorded(path: Path, frames: int = 4) -> tuple[RecordingFile, list[Interval]]:
+def recorded(
+    path: Path, frames: int = 4, davis: DavisSettings | None = None
+) -> tuple[RecordingFile, list[Interval]]:
     """Frames 10 ms apart, simulated and written; not finished."""
-    camera = tiny(**LIVELY)
-    simulation, intervals = Simulation(camera, "exact", 3), []
+    camera = tiny(**LIVELY, aps_coupling={"frame_period_us": 5000, "row_us": 10})
+    simulation, intervals = Simulation(camera, "exact", 3, davis=davis), []
     file = RecordingFile(path, simulation.setup)
     assert not file.begun
     for i, image in enumerate(moving_frames(frames, camera)):
@@ -29,14 +34,14 @@ def recorded(path: Path, frames: int = 4) -> tuple[RecordingFile, list[Interval]
     return file, intervals
 
 
-@pytest.mark.parametrize("suffix", [".npz", ".raw"])
+@pytest.mark.parametrize("suffix", [".npz", ".raw", ".aedat4"])
 def test_it_holds_and_counts_what_was_written(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"a{suffix}"
     file, intervals = recorded(path)
     events = np.concatenate([interval.events for interval in intervals])
-    images = sum(interval.image.size for interval in intervals) if suffix == ".npz" else 0
+    images = sum(interval.image.size for interval in intervals) if suffix != ".raw" else 0
     assert file.begun
-    assert (file.events, file.frames) == (events.size, 4 if suffix == ".npz" else 0)
+    assert (file.events, file.frames) == (events.size, 0 if suffix == ".raw" else 4)
     assert file.size_bytes == events.nbytes + images
     assert file.span_s == 0.03
     file.end("it was ended")
@@ -48,6 +53,36 @@ def test_it_holds_and_counts_what_was_written(suffix: str, tmp_path: Path) -> No
     if suffix == ".npz":
         assert recording.frame_t_us is not None
         assert recording.frame_t_us.tolist() == [0, 10_000, 20_000, 30_000]
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".aedat4"])
+def test_aps_frames_are_recorded_with_their_exposures(suffix: str, tmp_path: Path) -> None:
+    """160 us of reset, 500 us of exposure, each 5 ms. Its events cannot be made again from them."""
+    path = tmp_path / f"a{suffix}"
+    file, intervals = recorded(path, davis=DavisSettings(frames="aps", imu_hz=1000, triggers_hz=100))
+    file.end("it was ended")
+    file.wait()
+    recording = read(path)
+    assert recording.exposure_us is not None
+    assert recording.exposure_us.tolist() == [[160 + 5000 * i, 660 + 5000 * i] for i in range(6)]
+    assert file.frames == 6
+    assert recording.frames is not None
+    expected = [frame.image for interval in intervals for frame in interval.beside.frames]
+    np.testing.assert_array_equal(recording.frames, expected)
+    with pytest.raises(UsageError, match=r"no frames of its source .* record --frames source"):
+        verify(path)
+
+
+def test_imu_and_triggers_are_recorded_where_the_format_holds_them(tmp_path: Path) -> None:
+    dv = pytest.importorskip("dv_processing", reason="dv-processing, the oracle, is not installed")
+    file, _ = recorded(tmp_path / "a.aedat4", davis=DavisSettings(imu_hz=1000, triggers_hz=100))
+    file.end("it was ended")
+    file.wait()
+    theirs = dv.io.MonoCameraRecording(str(tmp_path / "a.aedat4"))
+    samples = theirs.getImuTimeRange(0, 30_001)
+    assert [each.timestamp for each in samples] == list(range(1000, 30_001, 1000))
+    triggers = theirs.getTriggersTimeRange(0, 30_001)
+    assert [each.timestamp for each in triggers] == list(range(5000, 30_001, 5000))
 
 
 def test_an_npz_needs_as_much_again_to_be_put_together(tmp_path: Path) -> None:

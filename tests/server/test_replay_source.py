@@ -28,7 +28,7 @@ def replay_of(path: Path, **options: Any) -> SourceRequest:
     return SourceRequest(uri=f"replay:{path}", **options)
 
 
-@pytest.mark.parametrize("suffix", [".npz", ".raw", ".txt"])
+@pytest.mark.parametrize("suffix", [".npz", ".raw", ".txt", ".aedat4"])
 def test_a_replay_gives_the_recorded_events_at_their_own_pace(suffix: str, tmp_path: Path) -> None:
     path, events = tmp_path / f"walk{suffix}", some_events()
     with open_writer(path, width=24, height=16) as writer:

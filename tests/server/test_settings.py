@@ -31,6 +31,7 @@ def test_defaults() -> None:
     settings = load({}, None, {})
     assert settings == Settings()
     assert (settings.http, settings.zmq) == ("127.0.0.1:8560", "tcp://127.0.0.1:5560")
+    assert settings.dv == "127.0.0.1:7777"
     assert settings.packets.smooth
     camera = settings.load_camera()
     assert (camera.name, camera.width, camera.height) == ("davis346", 346, 260)
@@ -65,6 +66,20 @@ def test_precedence_key_by_key(tmp_path: Path) -> None:
     parameters = settings.load_camera().parameters
     assert (parameters.comparator.theta_on, parameters.comparator.theta_off) == (1.3, 1.1)
     assert parameters.leak_noise.k6 == 1e-6
+
+
+def test_each_camera_has_dv_streams_of_its_own() -> None:
+    cameras: dict[str, Any] = {
+        name: {"zmq": f"tcp://127.0.0.1:{port}"} for name, port in (("a", 1), ("b", 2), ("c", 3))
+    }
+    cameras["c"]["dv"] = "off"
+    settings = load({"cameras": cameras}, None, {})
+    assert [each.dv for each in settings.each().values()] == ["127.0.0.1:7777", "127.0.0.1:7781", "off"]
+    cameras["a"]["dv"] = "127.0.0.1:7781"
+    assert "cameras.b.dv: 127.0.0.1:7781 is that of a: give each camera its own" in wrong(
+        {"cameras": cameras}
+    )
+    assert load({"cameras": cameras, "dv": "127.0.0.1:0"}, None, {}).each()["b"].dv == "127.0.0.1:0"
 
 
 def test_off_needs_no_quotes(tmp_path: Path) -> None:

@@ -26,6 +26,7 @@ def test_a_recording_that_fails_is_a_line(caplog: pytest.LogCaptureFixture) -> N
         events=5,
         frames=1,
         lost_intervals=0,
+        left_out="",
         error="a.npz: No space left",
     )
     log = StatusLog(LogSettings())

@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
 from voltcam_simulator.crossings import cross
+from voltcam_simulator.effect import STRAIGHT
 from voltcam_simulator.groups import Kicks, Motion, Pixels, Reset, Step
 from voltcam_simulator.random import CROSSINGS, interval_key
 
@@ -25,25 +26,44 @@ def crossings(
     step = Step(interval_key(seed, CROSSINGS, 0), SPAN_US, 0.0, first_pixel=0, width=n)
     kicks = Kicks(np.zeros((0, 1)), np.zeros((0, 1)), np.zeros(n, np.float32))
     keys = np.empty(2000 * n if noise > 2 else 200 * n, np.uint64)
-    near = np.arange(n, dtype=np.int32)
-    done, written = cross(*pixels, *motion, *step, *Reset(0.0, 0.0), *kicks, False, near, 0, n, keys)
+    near, bent = np.arange(n, dtype=np.int32), np.empty(0, np.int32)
+    done, written = cross(
+        *pixels, *motion, *step, *Reset(0.0, 0.0), *kicks, *STRAIGHT, False, near, bent, 0, keys
+    )
     assert done == n
     keys = keys[:written]
     pixel = (keys >> np.uint64(1) & np.uint64(0x1FFF)).astype(np.int64)
     return pixel, (keys >> np.uint64(27)) / SPAN_US, (keys & np.uint64(1)).astype(bool), pixels.voltage
 
 
+def bent_path(drift: float, transient: float, rate: float, share: Floats) -> Floats:
+    """The mean path from 0 to drift, at shares of the second: a line and transient exp(-rate share)."""
+    curve = np.exp(-rate * share)
+    return np.asarray(drift * share + transient * (curve - 1 + share * (1 - np.exp(-rate))))
+
+
 def fine_steps(
-    n: int, start: float, drift: float, noise: float, above: float, below: float, steps: int, seed: int = 2
+    n: int,
+    start: float,
+    drift: float | Floats,
+    noise: float,
+    above: float,
+    below: float,
+    steps: int,
+    seed: int = 2,
 ) -> tuple[NDArray[np.int64], Floats, NDArray[np.bool_], Floats]:
-    """The same by brute force. Barriers are moved inwards by .5826 standard deviations of a step, which takes
-    out the leading error of looking at discrete times only (Broadie, Glasserman and Kou 1997)."""
+    """The same by brute force; drift may be the mean path at the ends of all steps.
+
+    Barriers are moved inwards by .5826 standard deviations of a step, which takes out the leading error of
+    looking at discrete times only (Broadie, Glasserman and Kou 1997).
+    """
     rng = np.random.default_rng(seed)
     voltage = np.full(n, start)
+    gained = np.diff(drift, prepend=0.0) if isinstance(drift, np.ndarray) else np.full(steps, drift / steps)
     inwards = 0.5826 * noise / np.sqrt(steps)
     found: list[tuple[NDArray[np.int64], Floats, NDArray[np.bool_]]] = []
     for step in range(steps):
-        voltage += drift / steps + noise / np.sqrt(steps) * rng.standard_normal(n)
+        voltage += gained[step] + noise / np.sqrt(steps) * rng.standard_normal(n)
         on, off = voltage >= above - inwards, voltage <= inwards - below
         pixels = np.flatnonzero(on | off)
         found.append((pixels, np.full(pixels.size, (step + 0.5) / steps), on[pixels]))

@@ -24,9 +24,9 @@ def stepping(parameters: Parameters, law: Law = "exact") -> tuple[BandStepper, B
     """The lower two of three rows of a sensor, at 10 DN and at rest."""
     pattern = lay_down(WIDTH, 3, 1, law, parameters, {})
     workspace = Workspace(PIXELS)
-    light, response, drift, noise = workspace.planes
+    light, response, drift, noise, *bend = workspace.planes
     before = np.full(PIXELS, 10, np.float32)
-    band = Band(pattern.sensor, 1, 0, 0.0, 0.0, 25.0, before, light, response, drift, noise)
+    band = Band(pattern.sensor, 1, 0, 0.0, 0.0, 25.0, before, light, response, drift, noise, *bend)
     zeros, ones = (np.full(PIXELS, v, np.float32) for v in (0, 1))
     rows = AheadRows(
         np.zeros(ROWS, np.int32), np.zeros(ROWS, np.bool_), np.zeros(ROWS, np.float32), zeros.copy(),
@@ -100,3 +100,18 @@ def test_a_kick_counts_once() -> None:
     stepper.add_drift(stepper.see(state, image(0, 10, 10), 1000, 1000.0, 0.0))
     stepper.draw_events(state, KEY, 0.0)
     np.testing.assert_allclose(state.pixels.voltage, image(0.4, 0), atol=1e-6)
+
+
+def test_a_band_may_be_worked_on_in_any_workspace() -> None:
+    stepper, state = stepping(only(contrast_response={"k1": 5, "k2_dn": 20}))
+    other = Workspace(2 * PIXELS)  # of a thread that has larger bands, too
+    stepper.see(state, image(0, 10, 10), 0, 0.0, 0.0)
+    state.response[:] = state.band.response
+    first = state.workspace
+    state.work_in(other)
+    band = stepper.see(state, image(0, 30, 10), 0, 1000.0, 0.0)
+    stepper.add_drift(band)
+    stepper.draw_events(state, KEY, 0.0)
+    assert len(other.take_keys()) == WIDTH * 2
+    assert first.take_keys().size == 0
+    assert state.band.light.base is other.planes

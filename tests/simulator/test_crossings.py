@@ -8,8 +8,10 @@ import pytest
 from numpy.typing import NDArray
 from scipy import stats
 
-from voltcam_simulator.crossings import BLOCK, cross
+from voltcam_simulator.crossings import cross
+from voltcam_simulator.effect import STRAIGHT
 from voltcam_simulator.groups import Kicks, Motion, Pixels, Reset, Step
+from voltcam_simulator.paths import BLOCK
 from voltcam_simulator.random import CROSSINGS, interval_key
 
 from .brownian import crossings, fine_steps, first_exit_cdf
@@ -113,10 +115,13 @@ def cross_all(
     kick = [] if kicks is None else [kicks]
     columns = (np.array([k[i] for k in kick], np.float64).reshape(-1, 1) for i in (0, 1))
     groups = Kicks(*columns, np.full(n, abs(size), np.float32))
-    near, done, keys = np.arange(n, dtype=np.int32), 0, np.empty(0, np.uint64)
+    near, bent = np.arange(n, dtype=np.int32), np.empty(0, np.int32)
+    done, keys = 0, np.empty(0, np.uint64)
     while done < n:
         space = np.empty(room, np.uint64)
-        done, written = cross(*pixels, *motion, *step, *Reset(0.0, 0.0), *groups, True, near, done, n, space)
+        done, written = cross(
+            *pixels, *motion, *step, *Reset(0.0, 0.0), *groups, *STRAIGHT, True, near, bent, done, space
+        )
         keys = np.concatenate([keys, space[:written]])
     return keys, pixels
 

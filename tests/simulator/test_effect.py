@@ -33,7 +33,7 @@ def sensor(seed: int = 1) -> Sensor:
 
 
 def band() -> Band:
-    planes = (np.full(6, level, np.float32) for level in (10, 20, 0, 0, 3))
+    planes = (np.full(6, level, np.float32) for level in (10, 20, 0, 0, 3, 0, 0))
     return Band(sensor(), 0, 1000, 250.0, 0.0, 25.0, *planes)
 
 

@@ -21,7 +21,7 @@ def band_with(kicks: list[tuple[list[float], float]]) -> Band:
     plane = np.zeros(ROWS * WIDTH, np.float32)
     sensor = Sensor(WIDTH, ROWS, 1, 25.0, 20.0, ones, ones)
     given = [(np.array(times_us, np.float64), size) for times_us, size in kicks]
-    return Band(sensor, 0, 0, SPAN_US, 0.0, 25.0, plane, plane, plane, plane, plane, kicks=given)
+    return Band(sensor, 0, 0, SPAN_US, 0.0, 25.0, *[plane] * 7, kicks=given)
 
 
 @given(KICKS)

@@ -39,7 +39,7 @@ class Path:
     ) -> "Path":
         times, sizes = (np.array([kick[i] for kick in kicks], np.float64) for i in (0, 1))
         self.written, self.voltage, self.free_us = follow_kicked(
-            self.state, x, drift, now, span, self.pixel, Reset(dead_us, 0.0), times, sizes,
+            self.state, x, drift, now, 0.0, span, self.pixel, Reset(dead_us, 0.0), times, sizes,
             self._cuts, self._keys, self.written,
         )  # fmt: skip
         return self

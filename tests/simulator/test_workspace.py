@@ -61,4 +61,4 @@ def test_it_stops_at_the_limits() -> None:
 
 def test_memory_is_that_of_the_planes() -> None:
     workspace = Workspace(100)
-    assert workspace.nbytes == 100 * 4 * (4 + 1) + 101 * 4
+    assert workspace.nbytes == 100 * 4 * (6 + 1) + 2 * 101 * 4

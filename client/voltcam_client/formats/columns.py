@@ -1,5 +1,6 @@
 """Events as lines of four numbers: what the `.txt` and `.csv` formats share."""
 
+import re
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,16 +14,20 @@ from voltcam_client.encodings import EVENT, Events
 from voltcam_client.formats.recording import MAX_T_US, FormatError
 
 CUT = set("0123456789.+-e, \t\r")
+LONGEST_HEADER = 1000  # characters: beyond that a file is none of events
 
 
 @dataclass(frozen=True)
 class Layout:
-    """How a line is laid out: its columns in words, what is between them (None: blanks), the unit of t."""
+    """How a line is laid out: its columns in words, what is between them (None: blanks), the unit of t.
+
+    header: a pattern that the first line must match; None where the first line is an event.
+    """
 
     columns: str
     separator: str | None
-    has_header: bool
     seconds: bool
+    header: str | None = None
 
     @property
     def t_limit(self) -> int:
@@ -62,7 +67,7 @@ def read_events(path: Path, layout: Layout) -> Events:
 
 def _whole_lines(path: Path, file: TextIO, layout: Layout) -> Iterator[str]:
     """The lines below the header, without a cut last one."""
-    if layout.has_header and file.readline().strip() != layout.columns:
+    if layout.header and not re.fullmatch(layout.header, file.readline(LONGEST_HEADER).strip()):
         raise FormatError(f"{path}, line 1: the header must be {layout.columns!r}: put it there")
     for line in file:
         if line.endswith("\n") or sum(map(bool, line.split(layout.separator))) == 4:
@@ -74,7 +79,7 @@ def _whole_lines(path: Path, file: TextIO, layout: Layout) -> Iterator[str]:
 def _first_fault(path: Path, layout: Layout) -> str | None:
     """'line N: what is wrong with it', or None; slow, for a file already known to be wrong."""
     with path.open(encoding="utf-8", errors="replace") as file:
-        for number, line in enumerate(_whole_lines(path, file, layout), start=1 + layout.has_header):
+        for number, line in enumerate(_whole_lines(path, file, layout), start=2 if layout.header else 1):
             text = line.partition("#")[0].strip()
             if text and not _is_event(text.split(layout.separator), layout):
                 return (  # without the line itself: who asks over the network may not be allowed to read it

@@ -54,6 +54,11 @@ def smallest_size(events: Events) -> tuple[int, int]:
     return int(events["x"].max()) + 1, int(events["y"].max()) + 1
 
 
+def exposures_known(exposure_us: NDArray[np.int64]) -> bool:
+    """Whether (M, 2) begins and ends are exposures: a frame without one has its time as both."""
+    return bool((exposure_us[:, 1] > exposure_us[:, 0]).all())
+
+
 def fault_in(
     events: Events,
     width: int,

@@ -17,9 +17,9 @@ from voltcam_client.formats.image_list import IMAGE_LIST, read_image_list
 from voltcam_client.formats.recording import Recording, smallest_size
 from voltcam_client.formats.writer import AppendWriter
 
-DESCRIPTION = "events as text, 't_seconds x y p' as in the Event Camera Dataset"
+DESCRIPTION = "events as text, 't_seconds x y p' as in the Event Camera Dataset, for evlib, too"
 
-_LAYOUT = Layout(columns="t x y p", separator=None, has_header=False, seconds=True)
+_LAYOUT = Layout(columns="t x y p", separator=None, seconds=True)
 
 
 class TxtWriter(AppendWriter):

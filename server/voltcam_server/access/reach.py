@@ -41,6 +41,11 @@ def check_reach(settings: "Settings", tokens: Tokens) -> None:
                 f"--zmq {camera.zmq} is open to the network, and there are no keys: make some with "
                 "`voltcam keys`, name their folder as access.curve_keys in the config, or stay on 127.0.0.1"
             )
+        if camera.dv != "off" and not _is_loopback(host_of(camera.dv)):
+            raise UsageError(
+                f"--dv {camera.dv} is open to the network, and DV's protocol has no keys: stay on 127.0.0.1, "
+                "to which an ssh tunnel leads, or say access.open in the config"
+            )
 
 
 def _is_loopback(host: str) -> bool:

@@ -1,7 +1,15 @@
 """How messages leave the daemon: one file per transport. A transport knows messages, and no physics."""
 
+from .dv import DvTransport
 from .transport import ClientStatus, Transport, TransportStatus
 from .websocket import WebSocketTransport
 from .zeromq import ZeroMQTransport
 
-__all__ = ["ClientStatus", "Transport", "TransportStatus", "WebSocketTransport", "ZeroMQTransport"]
+__all__ = [
+    "ClientStatus",
+    "DvTransport",
+    "Transport",
+    "TransportStatus",
+    "WebSocketTransport",
+    "ZeroMQTransport",
+]

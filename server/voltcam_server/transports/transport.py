@@ -22,10 +22,10 @@ class ClientStatus(BaseModel):
     """HOST:PORT"""
 
     topic: str
-    """events or frames"""
+    """events, frames, imu or triggers"""
 
     encoding: str | None
-    """of its event packets; null for frames"""
+    """of its event packets; null for all else"""
 
     sent: int
     """messages"""
@@ -80,13 +80,13 @@ class Transport(ABC):
                 oldest = self._outbox.popleft()
                 self._outbox_bytes -= oldest.size
                 self._dropped(oldest)
-            self._changed.notify_all()
+            self._tell()
 
     def stop(self) -> None:
         """End the thread and give back what it held; what waits is not sent."""
         with self._changed:
             self._stopping = True
-            self._changed.notify_all()
+            self._tell()
         if self._thread.ident is not None:
             self._thread.join(END_S)
         if not self._thread.is_alive():  # what a thread still uses must not be taken from it
@@ -109,6 +109,10 @@ class Transport(ABC):
     def _dropped(self, message: Message) -> None:
         """Count a message that did not leave the outbox."""
 
+    def _tell(self) -> None:
+        """Have the thread look: there is a message, or the end."""
+        self._changed.notify_all()
+
     def _run(self) -> None:
         try:
             while (message := self._next()) is not None:
@@ -120,7 +124,12 @@ class Transport(ABC):
         with self._changed:
             while not self._outbox and not self._stopping:
                 self._changed.wait()
-            if self._stopping:
+            return self._take()
+
+    def _take(self) -> Message | None:
+        """The next message, where there is one and it is not the end."""
+        with self._changed:
+            if self._stopping or not self._outbox:
                 return None
             message = self._outbox.popleft()
             self._outbox_bytes -= message.size

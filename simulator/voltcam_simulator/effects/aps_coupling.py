@@ -1,6 +1,6 @@
 """The frames a DAVIS takes between its events disturb the event pixels."""
 
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +9,19 @@ from ..effect import About, Band, Effect, quantity
 
 NS_PER_US = 1000
 _MEASURED = "measured on a DAVIS346 recording (street, static camera, 25 frames/s, exposure 500 us)"
+
+
+class FrameTimes(NamedTuple):
+    """Of a frame, in ns from its start: end of the reset scan, end of the exposure, end of the readout.
+
+    period_ns: from frame to frame. begin_ns: of some frame on the time line.
+    """
+
+    exposed_ns: int
+    read_ns: int
+    end_ns: int
+    period_ns: int
+    begin_ns: int
 
 
 class ApsCoupling(Effect):
@@ -63,6 +76,16 @@ class ApsCoupling(Effect):
     def active(self) -> bool:
         return any((self.exposure_kick, self.reset_kick, self.readout_kick))
 
+    def times(self, height: int) -> FrameTimes:
+        """When what happens in a frame of so many rows that is given out.
+
+        It begins when the one before it has been read: of periods that are too short, several are one.
+        """
+        scan, period = height * round(self.row_us * NS_PER_US), round(self.frame_period_us * NS_PER_US)
+        read = scan + round(self.exposure_us * NS_PER_US)
+        periods = -(-(read + scan) // period)
+        return FrameTimes(scan, read, read + scan, periods * period, round(self.offset_us * NS_PER_US))
+
     def drift(self, band: Band) -> None:
         period = round(self.frame_period_us * NS_PER_US)
         begin = band.start_us * NS_PER_US - round(self.offset_us * NS_PER_US)
@@ -77,8 +100,8 @@ class ApsCoupling(Effect):
         line = round(self.line_us * NS_PER_US) or row
         rows = np.arange(band.light.size // sensor.width, dtype=np.int64)
         scan = (band.first_row + rows) * row
-        exposed = np.full_like(scan, sensor.height * row)
-        read = exposed + round(self.exposure_us * NS_PER_US)
+        times = self.times(sensor.height)
+        exposed, read = np.full_like(scan, times.exposed_ns), np.full_like(scan, times.read_ns)
         pulses = [
             (scan, scan + line, self.reset_kick),
             (exposed, read, self.exposure_kick),

@@ -24,6 +24,8 @@ class Crosstalk(Effect):
     about: ClassVar[About] = "pixel"
     signature: ClassVar[str] = "at rest, neighbours fire together more often than by chance"
 
+    feeds_back: ClassVar[bool] = True
+
     coupling: float = quantity(
         0.0, unit="nominal thresholds", ge=0, le=0.25, meaning="voltage from one neighbour's event; 0 is off",
         source="ours, below 0.01: no published value is known to us",

@@ -5,18 +5,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..effect import About, Band, Effect, Plane, Sensor, State, quantity
+from ..bends import depth, fading
+from ..effect import About, Band, Effect, Sensor, State, quantity
 from ..kernel import kernel
-
-STEP_IN_TIME_CONSTANTS = 8.0
-"""Of the brightest pixels. Within a step the voltage is taken as a straight line. At a bend of the light by a
-share q of its slope it is then off by what the light brings in at most q time constants, and at most 0.106 q
-steps (the most an exponential leaves its chord, over all time constants; straight lines between frames miss
-by q/8 already). Eight are 0.6 of a time constant at 0 DN: dim pixels, whose lag is what shows, are followed
-closely."""
-SHORT_US = 1000.0
-"""No step need be shorter: 0.106 of it are 0.1 ms. At 4 kHz eight time constants are 0.3 ms: a hundred steps
-from frame to frame of a webcam, whose light between frames is a guess of milliseconds anyway."""
 
 
 class PhotoreceptorBandwidth(Effect):
@@ -55,63 +46,82 @@ class PhotoreceptorBandwidth(Effect):
     def active(self) -> bool:
         return self.cutoff_hz > 0
 
-    @property
-    def longest_step_us(self) -> float:
-        return max(SHORT_US, STEP_IN_TIME_CONSTANTS * 1e6 / (2 * math.pi * self.cutoff_hz))
-
     def state(self, sensor: Sensor) -> State:
         pixels = sensor.width * sensor.height
         return {name: np.zeros(pixels, np.float32) for name in ("input", "photoreceptor", "follower")}
 
     def respond(self, band: Band) -> None:
         own = band.planes[self.name]
-        planes: tuple[Plane, Plane, Plane] = own["input"], own["photoreceptor"], own["follower"]
+        input_, photoreceptor, follower = (own[name] for name in ("input", "photoreceptor", "follower"))
         if band.span_us == 0:  # the image has been there for long
-            for plane in planes:
+            for plane in (input_, photoreceptor, follower):
                 plane[:] = band.response
             return
         radians = 2e-6 * math.pi * band.span_us
-        per_dn = radians * self.cutoff_hz / (self.reference_dn + self.dark_dn)
-        decay, mean = 0.0, 0.0
-        if self.follower_hz > 0:
-            a = radians * self.follower_hz
-            decay, mean = math.exp(-a), -math.expm1(-a) / a
+        per_dn = np.float32(radians * self.cutoff_hz / (self.reference_dn + self.dark_dn))
+        before = (input_.copy(), photoreceptor.copy()) if self.follower_hz > 0 else (input_, photoreceptor)
         low_pass(
-            band.light_before, band.light, np.float32(self.dark_dn), np.float32(per_dn),
-            np.float32(decay), np.float32(mean), *planes, band.response,
+            band.light_before, band.light, np.float32(self.dark_dn), per_dn, input_, photoreceptor,
+            band.response, band.bow, band.rate,
         )  # fmt: skip
+        if self.follower_hz > 0:
+            follow(*before, input_, radians * self.follower_hz, follower, band.response, band.bow, band.rate)
+        band.is_bent = True
 
 
-_HALF, _1, _16 = np.float32(0.5), np.float32(1), np.float32(16)
-_15, _105, _420, _945 = np.float32(15), np.float32(105), np.float32(420), np.float32(945)
-_1_16TH = np.float32(1 / 16)
+_1, _2, _4, _HALF, _1_6TH, _1_360TH = (np.float32(v) for v in (1, 2, 4, 1 / 2, 1 / 6, 1 / 360))
+NEARLY_STRAIGHT = 0.01
+"""Time constants in a step below which the first pole's output is taken as straight: off by an eighth of that
+of its way, at most."""
+
+
+@kernel
+def mean_rate(a0: Any, a1: Any) -> Any:
+    """Of a rate that goes from a0 to a1 as a power: their logarithmic mean, to 1 % if one is eleven times the
+    other (Simpson's rule)."""
+    return (_4 * np.sqrt(a0 * a1) + a0 + a1) * _1_6TH
 
 
 @kernel
 def low_pass(
-    before: Any, light: Any, dark: Any, per_dn: Any, decay: Any, mean: Any, input_: Any, first: Any,
-    second: Any, response: Any,
-) -> Any:  # fmt: skip
-    """One step of both poles; response is the input and becomes the output.
-
-    E and P come from tanh x = x (945 + 105 y + y^2)/(945 + 420 y + 15 y^2), y = x^2, which is exact to 3e-8
-    at x = a/16 <= 1, and three doublings, P(2b) = P(b) (1 + E(b))/2 and E(2b) = E(b)^2. Beyond a = 16 E is 0.
-    """
+    before: Any, light: Any, dark: Any, per_dn: Any, input_: Any, photoreceptor: Any, response: Any,
+    bow: Any, rate: Any,
+) -> None:  # fmt: skip
+    """One step of the first pole; response is the input and becomes the output. bow, rate: see `Bend`."""
     for i in range(response.shape[0]):
-        a = per_dn * (_HALF * (before[i] + light[i]) + dark)
-        x = _1_16TH * min(a, _16)
-        y = x * x
-        top, bottom = _945 + y * (_105 + y), _945 + y * (_420 + _15 * y)
-        inverse = _1 / (bottom + x * top)
-        e, p = (bottom - x * top) * inverse, top * inverse
-        p *= _HALF * (_1 + e)
-        e *= e
-        p *= _HALF * (_1 + e)
-        e *= e
-        p *= _HALF * (_1 + e)
-        e *= e
-        p = p if a <= _16 else _1 / a
-        u0, u1, v0 = input_[i], response[i], first[i]
-        v1 = u1 - p * (u1 - u0) + e * (v0 - u0)
-        w1 = v1 - mean * (v1 - v0) + decay * (second[i] - v0)
-        input_[i], first[i], second[i], response[i] = u1, v1, w1, w1
+        a0, a1 = per_dn * (before[i] + dark), per_dn * (light[i] + dark)
+        a = mean_rate(a0, a1)
+        q = fading(a)
+        left = _1 - q
+        series = _1 - a * (_1_6TH - a * a * _1_360TH)
+        share = series if a < _HALF else _2 / a - _2 * left * left / (q * (_1 + left))
+        late = mean_rate(a1 + (a0 - a1) * share, a1)
+        u0, u1, v0 = input_[i], response[i], photoreceptor[i]
+        behind, way = v0 - u0, u1 - u0
+        v1 = u1 - q * (_1 + left) / late * way + left * left * behind
+        bow[i], rate[i] = -depth(a) * (behind + way / a), a
+        input_[i], photoreceptor[i], response[i] = u1, v1, v1
+
+
+@kernel
+def follow(
+    input_before: Any, photoreceptor_before: Any, input_: Any, b: Any, follower: Any, response: Any,
+    bow: Any, rate: Any,
+) -> None:  # fmt: skip
+    """One step of the second pole, b its time constants in the step; response is its input and becomes its
+    output. Its bend is told as that of one pole as late as both."""
+    decay, mean = math.exp(-b), -math.expm1(-b) / b
+    for i in range(response.shape[0]):
+        a, v0, v1, w0 = np.float64(rate[i]), photoreceptor_before[i], response[i], follower[i]
+        u0, way = input_before[i], input_[i] - input_before[i]
+        transient = v0 - u0 + way / a if a > NEARLY_STRAIGHT else 0.0
+        left = math.exp(-a)
+        if abs(b - a) < 1.0:
+            passed = b * decay * (math.expm1(b - a) / (b - a) if b != a else 1.0)
+        else:
+            passed = b * (left - decay) / (b - a)
+        line0, line1 = v0 - transient, v1 - transient * left
+        w1 = line1 - mean * (line1 - line0) + decay * (w0 - line0) + transient * passed
+        both = a * b / (a + b)
+        bow[i], rate[i] = -depth(both) * (w0 - u0 + way / both), both
+        follower[i], response[i] = w1, w1

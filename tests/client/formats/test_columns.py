@@ -14,8 +14,8 @@ from voltcam_client.formats import FormatError
 from voltcam_client.formats.columns import Layout, format_rows, read_events
 from voltcam_client.formats.recording import MAX_T_US
 
-TABLE = Layout(columns="t_us,x,y,p", separator=",", has_header=True, seconds=False)
-BLANKS = Layout(columns="t x y p", separator=None, has_header=False, seconds=True)
+TABLE = Layout(columns="t_us,x,y,p", separator=",", seconds=False, header="t_us,x,y,p")
+BLANKS = Layout(columns="t x y p", separator=None, seconds=True)
 
 rows = st.lists(
     st.tuples(st.integers(0, MAX_T_US - 1), st.integers(0, 65535), st.integers(0, 65535), st.booleans())

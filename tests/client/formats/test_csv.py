@@ -14,8 +14,16 @@ def test_pythons_own_reader_reads_it(tmp_path: Path, make_events) -> None:
         writer.events(events)
     with (tmp_path / "a.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert list(rows[0]) == ["t_us", "x", "y", "p"]
+    assert list(rows[0]) == ["t", "x@346", "y@260", "on"]
     assert [tuple(map(int, row.values())) for row in rows] == events.tolist()
+
+
+@pytest.mark.parametrize("header", ["t_us,x,y,p", "t,x,y,p", "t,x,y,on", "t,x@346,y@260,on\r"])
+def test_headers_of_others(header: str, tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text(f"{header}\n5,1,2,1\n")
+    recording = read(tmp_path / "a.csv")
+    assert recording.events.tolist() == [(5, 1, 2, True)]
+    assert (recording.width, recording.height) == ((346, 260) if "@" in header else (2, 3))
 
 
 def test_a_spreadsheets_line_ends_and_blanks_are_read(tmp_path: Path) -> None:
@@ -26,7 +34,7 @@ def test_a_spreadsheets_line_ends_and_blanks_are_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize("text", ["", "5,1,2,1\n", "x,y,p,t\n1,2,1,5\n"])
 def test_another_header_is_named(text: str, tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text(text)
-    with pytest.raises(FormatError, match=r"a\.csv, line 1: the header must be 't_us,x,y,p'"):
+    with pytest.raises(FormatError, match=r"a\.csv, line 1: the header must be 't,x@WIDTH,y@HEIGHT,on'"):
         read(tmp_path / "a.csv")
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from voltcam_client.formats import FormatError, read
+from voltcam_client.formats import FormatError, open_writer, read
 
 h5py = pytest.importorskip("h5py", reason="h5py, the oracle, is in the extra [lab]")
 hdf5plugin = pytest.importorskip("hdf5plugin", reason="hdf5plugin is in the extra [lab]")
@@ -94,9 +94,7 @@ def test_what_is_missing_is_named(tmp_path: Path) -> None:
     assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize(
-    ("suffix", "library"), [(".h5", "h5py"), (".h5", "hdf5plugin"), (".aedat4", "faery"), (".bag", "rosbags")]
-)
+@pytest.mark.parametrize(("suffix", "library"), [(".h5", "h5py"), (".h5", "hdf5plugin"), (".bag", "rosbags")])
 def test_a_missing_library_is_named_with_its_extra(
     suffix: str, library: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -112,3 +110,20 @@ def test_a_missing_library_is_named_with_its_extra(
     ) as error:
         read(tmp_path / f"a{suffix}")
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("suffix", "library"), [(".h5", "h5py"), (".hdf5", "hdf5plugin"), (".mcap", "rosbags")]
+)
+def test_a_library_missing_for_writing_is_named_before_anything_is_made(
+    suffix: str, library: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def without(name: str) -> object:
+        if name.partition(".")[0] == library:
+            raise ModuleNotFoundError(name)
+        return builtins.__import__(name)
+
+    monkeypatch.setattr(importlib, "import_module", without)
+    with pytest.raises(FormatError, match=rf"writing it takes {library}.*: pip install 'voltcam\[lab\]'"):
+        open_writer(tmp_path / f"a{suffix}", width=346, height=260)
+    assert not any(tmp_path.iterdir())

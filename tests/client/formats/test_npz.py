@@ -24,7 +24,8 @@ def test_numpy_loads_it(tmp_path: Path, make_events) -> None:
     with open_writer(tmp_path / "a.npz", width=346, height=260) as writer:
         writer.events(events)
     with np.load(tmp_path / "a.npz") as arrays:
-        assert set(arrays) == {"t", "x", "y", "p"}
+        assert set(arrays) == {"t", "x", "y", "p", "width", "height"}
+        assert (arrays["width"], arrays["height"]) == (346, 260)
         for name in "txyp":
             np.testing.assert_array_equal(arrays[name], events[name], strict=True)
     with zipfile.ZipFile(tmp_path / "a.npz") as archive:
@@ -39,12 +40,35 @@ def test_numpy_loads_its_frames(tmp_path: Path, make_events) -> None:
         for frame, t_us in zip(frames, times, strict=True):
             writer.frame(frame, int(t_us))
     with np.load(tmp_path / "a.npz") as arrays:
-        assert set(arrays) == {"t", "x", "y", "p", "frames", "t_us"}
+        assert set(arrays) == {"t", "x", "y", "p", "width", "height", "frames", "t_us"}
         np.testing.assert_array_equal(arrays["frames"], frames, strict=True)
         np.testing.assert_array_equal(arrays["t_us"], times, strict=True)
     recording = read(tmp_path / "a.npz")
     np.testing.assert_array_equal(recording.frames, frames)
     np.testing.assert_array_equal(recording.frame_t_us, times)
+
+
+def test_exposures_come_back(tmp_path: Path) -> None:
+    images = np.random.default_rng(3).integers(0, 256, (3, 4, 6), np.uint8)
+    writer = open_writer(tmp_path / "a.npz", width=6, height=4)
+    for i, image in enumerate(images):
+        writer.aps_frame(image, (1000 * i, 1000 * i + 501), (1000 * i - 9, 1000 * i + 900))
+    exposures = [[1000 * i, 1000 * i + 501] for i in range(3)]
+    assert read(tmp_path / "a.npz.partial").exposure_us.tolist() == exposures  # type: ignore[union-attr]
+    writer.close()
+    recording = read(tmp_path / "a.npz")
+    assert recording.exposure_us is not None
+    assert recording.frame_t_us is not None
+    assert recording.exposure_us.tolist() == exposures
+    assert recording.frame_t_us.tolist() == [1000 * i + 250 for i in range(3)]
+    np.testing.assert_array_equal(recording.frames, images)
+
+
+def test_exposures_of_another_shape_are_refused(tmp_path: Path) -> None:
+    frames = {"frames": np.zeros((2, 4, 6), np.uint8), "t_us": np.array([0, 1])}
+    np.savez(tmp_path / "a.npz", **GOOD, **frames, exposure_us=np.zeros((3, 2), np.int64))
+    with pytest.raises(FormatError, match=r"exposure_us of shape \(3, 2\): give a begin and an end"):
+        read(tmp_path / "a.npz")
 
 
 def test_a_frame_of_another_size_changes_nothing(tmp_path: Path) -> None:
@@ -132,3 +156,11 @@ def test_a_damaged_file_is_named(tmp_path: Path) -> None:
     (tmp_path / "a.npz").write_bytes(whole)
     with pytest.raises(FormatError, match="cut short"):
         read(tmp_path / "a.npz")
+
+
+def test_the_size_in_the_comment_of_older_files_is_read(tmp_path: Path) -> None:
+    np.savez(tmp_path / "a.npz", t=[1], x=[2], y=[3], p=[1])
+    with zipfile.ZipFile(tmp_path / "a.npz", "a") as archive:
+        archive.comment = b'{"width": 346, "height": 260}'
+    recording = read(tmp_path / "a.npz")
+    assert (recording.width, recording.height) == (346, 260)

@@ -158,9 +158,9 @@ def test_a_recording_killed_before_its_first_event(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "fault"),
     [
-        (b"", "no EVT 3.0 file"),
-        (b"\x00\x01garbage", "no EVT 3.0 file"),
-        (b"% evt 2.0\n% format EVT2;height=1;width=1\n% end\n", "no EVT 3.0 file"),
+        (b"", "no EVT 3.0 or 2.0 file"),
+        (b"\x00\x01garbage", "no EVT 3.0 or 2.0 file"),
+        (b"% evt 2.1\n% format EVT21;height=1;width=1\n% end\n", "no EVT 3.0 or 2.0 file"),
         (b"% evt 3.0\n% geometry 346 by 260\n% end\n", "header that makes no sense"),
         (b"% evt 3.0\n% format EVT3;width=346\n% end\n", "header that makes no sense"),
         (b"% evt 3.0\n% t0 noon\n% end\n", "header that makes no sense"),

@@ -47,7 +47,7 @@ def test_the_folder_can_be_read_by_numpy_and_json_alone(tmp_path: Path, make_eve
     spool.append_events(events[:2])
     spool.append_events(events[2:])
     for frame, t_us in zip(frames, (10, 2**40), strict=True):
-        spool.append_frame(frame, t_us)
+        spool.append_frame(frame, t_us, (t_us, t_us))
     folder = tmp_path / "a"  # not closed yet
     assert json.loads((folder / "geometry.json").read_text()) == {"width": 4, "height": 3}
     record = np.dtype({"names": list("txyp"), "formats": ["<i8", "<u2", "<u2", "?"], "itemsize": 13})

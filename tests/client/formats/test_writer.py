@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.client.formats.suffixes import FROM_BEGINNING, SPOOLED
 
 from voltcam_client.formats import SUFFIXES, RecordingError, Writer, open_writer, read
 from voltcam_client.packet import EVENT
@@ -53,11 +54,13 @@ def test_a_disk_full_at_any_byte_costs_nothing_that_was_reported(
             with pytest.raises(RecordingError) as again:
                 writer.events(events[-1:])
             assert str(again.value) == str(error.value)
-        where = f"{path}.partial" if suffix == ".npz" else str(path)
+        where = f"{path}.partial" if suffix.endswith(SPOOLED) else str(path)
         recovered = read(where).events
         assert f"File too large: {writer.event_count} events are safe in {where}: " in str(error.value)
         assert "\n" not in str(error.value)
         assert recovered.size == writer.event_count
+        if suffix in FROM_BEGINNING and recovered.size:
+            recovered["t"] += events["t"][0] >> 23 << 23
         np.testing.assert_array_equal(recovered, events[: recovered.size])
 
 

@@ -24,6 +24,7 @@ LOOPBACK_ZMQ = ("--zmq", "tcp://127.0.0.1:0")
         (("--http", "[::]:0", *LOOPBACK_ZMQ), "VOLTCAM_TOKEN"),
         (("--http", "127.0.0.1:0", "--zmq", "tcp://0.0.0.0:0"), "voltcam keys"),
         (("--http", "127.0.0.1:0", "--zmq", "tcp://*:0"), "voltcam keys"),
+        (("--http", "127.0.0.1:0", *LOOPBACK_ZMQ, "--dv", "0.0.0.0:0"), "ssh tunnel"),
     ],
 )
 def test_an_open_address_without_a_token_is_refused_with_the_remedy(
