@@ -112,7 +112,7 @@ def decode_header(header_bytes: bytes) -> FrameHeader:
         raise PacketError(f"the header has {unknown[0][:40]!r}, which is none of {known}")
     _check_types(content)
     encoding = content.get("encoding")
-    if encoding not in ENCODINGS and encoding not in COMPRESSED:
+    if not isinstance(encoding, str) or encoding not in (*ENCODINGS, *COMPRESSED):
         raise PacketError(
             f"encoding is {str(encoding)[:40]!r}: give one of {', '.join((*ENCODINGS, *COMPRESSED))}"
         )

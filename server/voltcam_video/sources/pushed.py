@@ -1,6 +1,7 @@
 """Frames that programs send over ZeroMQ, on a clock of their own: see `voltcam_client.pushed_frame`."""
 
 import contextlib
+import os
 import queue
 import re
 import threading
@@ -81,8 +82,9 @@ class PushedSource(Source):
             backend="ZeroMQ",
             clock="sender",
         )
+        endpoint = self._endpoint()
         self._context = zmq.Context()
-        self._socket = self._bound()
+        self._socket = self._bound(endpoint)
 
     @classmethod
     def reads(cls, request: SourceRequest) -> bool:
@@ -111,11 +113,17 @@ class PushedSource(Source):
                 self._answer(message.answer_to, "dropped", ENDS)
         self._context.destroy(LINGER_MS)
 
-    def _bound(self) -> zmq.SyncSocket:
-        endpoint, shown = self.request.inlet or "", self.request.shown
-        parts = ENDPOINT.fullmatch(endpoint)
+    def _endpoint(self) -> str:
+        """Where it is to listen. Raises SourceError."""
+        parts = ENDPOINT.fullmatch(self.request.inlet or "")
         if parts is None or int(parts[2]) > 65535:
-            raise SourceError(f"{shown}: give zmq+tcp://HOST:PORT, such as zmq+tcp://127.0.0.1:5570")
+            raise SourceError(
+                f"{self.request.shown}: give zmq+tcp://HOST:PORT, such as zmq+tcp://127.0.0.1:5570"
+            )
+        return parts[0]
+
+    def _bound(self, endpoint: str) -> zmq.SyncSocket:
+        """Raises SourceError."""
         socket: zmq.SyncSocket = self._context.socket(zmq.ROUTER)
         socket.rcvhwm = QUEUE_MESSAGES
         socket.maxmsgsize = MOST_BYTES
@@ -128,8 +136,9 @@ class PushedSource(Source):
                 if time.monotonic() < until_s and not self.stop.wait(RETRY_S):
                     continue
                 self._context.destroy(0)
+                reason = os.strerror(error.errno or 0)
                 raise SourceError(
-                    f"{shown}: {error.strerror}: end the program that has it, or choose another port"
+                    f"{self.request.shown}: {reason}: end the program that has it, or choose another port"
                 ) from None
             return socket
 
