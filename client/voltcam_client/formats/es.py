@@ -1,4 +1,4 @@
-"""`.es`: Event Stream 2.0, as faery and loris read it. Events only, and times from the file's beginning only.
+"""`.es`: Event Stream 2.0, as faery reads it. Events only, and times from the file's beginning only.
 
     "Event Stream", 2, 0, 0, 1 (DVS events), width u16, height u16
     an event: byte of time since the last one (7 bits) and polarity (bit 0); x u16, y u16, little-endian
@@ -19,7 +19,7 @@ from voltcam_client.encodings import EVENT, Column, Events
 from voltcam_client.formats.recording import FormatError, Recording
 from voltcam_client.formats.writer import AppendWriter, start_us
 
-DESCRIPTION = "Event Stream 2.0, for faery and loris; times from the file's beginning"
+DESCRIPTION = "Event Stream 2.0, for faery; times from the file's beginning"
 
 _MAGIC = b"Event Stream"
 _HEADER = struct.Struct("<12s3BBHH")

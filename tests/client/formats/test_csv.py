@@ -3,6 +3,7 @@
 import csv
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from voltcam_client.formats import FormatError, open_writer, read
@@ -51,3 +52,19 @@ def test_times_that_go_back_are_named(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text("t_us,x,y,p\n5,1,2,1\n4,1,2,1\n")
     with pytest.raises(FormatError, match=r"event 1 \(t=4 x=1 y=2\): t goes back"):
         read(tmp_path / "a.csv")
+
+
+def test_faery_reads_it_and_writes_what_is_read(tmp_path: Path, make_events) -> None:
+    """faery 0.7 writes the size into the header, and does not read it from there."""
+    faery = pytest.importorskip("faery", reason="faery, another reader of CSV, is not installed")
+    events = make_events(1000, start_us=1_700_000_000_000_000)
+    with open_writer(tmp_path / "a.csv", width=346, height=260) as writer:
+        writer.events(events)
+    stream = faery.events_stream_from_file(tmp_path / "a.csv", dimensions_fallback=(346, 260))
+    theirs = np.concatenate(list(stream))
+    for name, their_name in (("t", "t"), ("x", "x"), ("y", "y"), ("p", "on")):
+        np.testing.assert_array_equal(theirs[their_name], events[name])
+    stream.to_file(tmp_path / "theirs.csv")
+    recording = read(tmp_path / "theirs.csv")
+    np.testing.assert_array_equal(recording.events, events)
+    assert (recording.width, recording.height) == (346, 260)

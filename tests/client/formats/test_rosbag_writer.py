@@ -67,6 +67,14 @@ def test_event_arrays(kind: str, count: int, tmp_path: Path, make_events) -> Non
 
 
 @pytest.mark.parametrize("kind", KINDS)
+def test_events_of_one_microsecond_keep_their_order(kind: str, tmp_path: Path, make_events) -> None:
+    events = make_events(1000)
+    events["t"] = 5
+    write(tmp_path / f"a.{kind}", events)
+    np.testing.assert_array_equal(read(tmp_path / f"a.{kind}").events, events)
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_frames_alone(kind: str, tmp_path: Path) -> None:
     with open_writer(tmp_path / f"a.{kind}", width=346, height=260) as writer:
         writer.frame(np.full((260, 346), 9, np.uint8), EPOCH_US)
