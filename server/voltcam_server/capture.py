@@ -47,7 +47,8 @@ class Capture:
             self._thread.start()
 
     def wait_open(self) -> None:
-        """Wait for the first frame. Raises SourceError when there will be none, or none within OPEN_S."""
+        """Wait for the first frame, or for the source to wait for it. Raises SourceError when there will be
+        none, or none within OPEN_S."""
         if not self._decided.wait(OPEN_S):
             raise SourceError(f"{self.request.shown}: no frame within {OPEN_S:g} s: check that it is sending")
         if not self._opened:
@@ -67,33 +68,42 @@ class Capture:
 
     def _run(self) -> None:
         try:
-            given = self.state.granted, self._clock, open_any
+            given, first = (self.state.granted, self._clock, open_any), True
             for frame in watch(self.request, self._stop, self._set_state, *given):
                 at_s = time.monotonic()
-                first = not self._opened
                 self.position_us = frame.position_us
                 self._opened = True
                 self._decided.set()
                 self._go.wait()
-                arrival = Arrival(frame, self.request.fit, at_s, cut=frame.cut or first, paced=self._paced)
+                missed = frame.sent.missed if frame.sent else 0
+                cut, paced = frame.cut or first, self._paced
+                arrival = Arrival(frame, self.request.fit, at_s, cut=cut, paced=paced, missed=missed)
                 self._mailbox.put(arrival, self._stop)
+                first = False
         except Exception as error:  # a source that fails is said in the status, and does not end the daemon
             name = "" if isinstance(error, SourceError) else f"{self.request.shown}: "
             self._set_state(replace(self.state, state="ended", message=name + one_line(error)))
         finally:
             self._decided.set()
 
-    def has_device(self, device: str | None) -> bool:
-        """Whether this is that camera, running: it cannot be opened a second time."""
-        ours = self.request.device
+    def has(self, request: SourceRequest) -> bool:
+        """Whether this is that camera, or listens there: it cannot be opened a second time."""
+        device, ours = request.device, self.request.device
+        if request.inlet is not None:
+            return request.inlet == self.request.inlet
         if device is None or ours is None or self.state.state != "running":
             return False
         return Path(device).resolve() == Path(ours).resolve()
 
     @property
     def _paced(self) -> bool:
+        if self.state.granted and self.state.granted["clock"] == "sender":
+            return False
         return self.request.pace == "realtime" or bool(self.state.granted and self.state.granted["live"])
 
     def _set_state(self, state: SourceState) -> None:
         self.state = state
+        if state.state == "waiting":
+            self._opened = True
+            self._decided.set()
         self._on_state()

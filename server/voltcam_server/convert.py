@@ -15,7 +15,17 @@ from voltcam_client.formats.npz import PARTIAL
 from voltcam_client.formats.rosbag import METADATA
 from voltcam_client.meter import short
 from voltcam_simulator import Camera, Law, Simulator
-from voltcam_video import Frame, Source, SourceError, SourceRequest, Upsampling, between, fit, open_source
+from voltcam_video import (
+    Frame,
+    Outcome,
+    Source,
+    SourceError,
+    SourceRequest,
+    Upsampling,
+    between,
+    fit,
+    open_source,
+)
 from voltcam_video.sources import MemorySource
 
 from .problems import UsageError, one_line
@@ -89,6 +99,8 @@ def _until(source: Source, seconds: float | None, stop: threading.Event) -> Iter
         if seconds is not None and frame.t_us - first_us > seconds * 1e6:
             return
         yield frame
+        if frame.sent is not None:
+            frame.sent.tell(Outcome("simulated"))
 
 
 def _progress(frames: Iterator[Frame], source: Source, writer: Writer) -> Iterator[Frame]:

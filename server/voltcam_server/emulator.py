@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Sequence
 
 from voltcam_simulator import Camera, Law
-from voltcam_video import Clock, Granted, SourceError, SourceRequest
+from voltcam_video import Clock, Granted, Outcome, SourceError, SourceRequest
 
 from .camera_settings import PacketSettings, Upsample
 from .capture import Capture
@@ -154,7 +154,7 @@ class Emulator:
             self._looking.release()
 
     def _opened(self, request: SourceRequest, former: Capture) -> Capture:
-        exclusive = former.has_device(request.device)
+        exclusive = former.has(request)
         if exclusive:
             former.stop()
         new = self._opening = self._capture_of(request)
@@ -218,6 +218,8 @@ class Emulator:
             return "source lost", source.message
         if source.state == "ended":
             return "ended", source.message or "the source has come to its end"
+        if source.state == "waiting":
+            return "starting", source.message
         if not self.ready:
             return "starting", "no frame has been simulated yet"
         if busy and (stalled_s := time.monotonic() - busy[1]) > STALLED_S:
@@ -273,6 +275,7 @@ class Emulator:
             recorder = self._recorder
             if recorder:
                 recorder.look(self.simulation, self._capture.request.shown)
+            skipped = self.simulation.skipped
             interval = self.simulation.step(arrival)
             self._busy = None
             self.stages.labels("waiting").observe(began_s - arrival.at_s)
@@ -281,6 +284,15 @@ class Emulator:
                 if recorder:
                     recorder.put(interval)
                 self._pacer.put(interval)
+            if arrival.frame.sent is not None:
+                arrival.frame.sent.tell(self._outcome(skipped))
+
+    def _outcome(self, skipped: int) -> Outcome:
+        """Of the frame just simulated; skipped: how many had been before it."""
+        shift_us = self.simulation.shift_us
+        if self.simulation.skipped == skipped:
+            return Outcome("simulated", shift_us=shift_us)
+        return Outcome("skipped", self.simulation.load.trouble, shift_us)
 
     def _report(self) -> None:
         former: State = "starting"

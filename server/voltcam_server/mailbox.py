@@ -5,7 +5,7 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from voltcam_video import Fit, Frame
+from voltcam_video import Fit, Frame, Outcome
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -13,7 +13,7 @@ class Arrival:
     """A frame that came from the source.
 
     at_s: when, `time.monotonic()`. cut: the scene did not evolve continuously from the former frame.
-    missed: frames dropped since the one before.
+    missed: frames dropped since the one before; at first, those that the source dropped.
     paced: it came when it was due; otherwise the source is read as fast as the simulation goes.
     """
 
@@ -26,7 +26,10 @@ class Arrival:
 
     @property
     def patient(self) -> bool:
-        """Whether it waits where there is no room, and is never dropped: so do recorded events."""
+        """Whether it waits where there is no room, and is never dropped: so do recorded events, and frames
+        whose sender waits."""
+        if self.frame.sent is not None:
+            return self.frame.sent.wait
         return not self.paced or self.frame.events is not None
 
 
@@ -58,13 +61,16 @@ class Mailbox:
             if stop.is_set() or self._closed:
                 return
             self._waiting.append(arrival)
+            self.received += 1 + arrival.missed
+            self.dropped += arrival.missed
             while len(self._waiting) > (SPARE_SLOTS if self._can_catch_up() else SLOTS):
                 self.dropped += 1
                 lost, following = self._waiting.popleft(), self._waiting[0]
+                if lost.frame.sent is not None:
+                    lost.frame.sent.tell(Outcome("dropped", "a newer one came"))
                 # A cut stays one when the frame that brought it is dropped.
                 cut, missed = following.cut or lost.cut, following.missed + lost.missed + 1
                 self._waiting[0] = replace(following, cut=cut, missed=missed)
-            self.received += 1
             self._changed.notify_all()
 
     def take(self) -> Arrival | None:

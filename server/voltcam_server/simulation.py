@@ -80,6 +80,11 @@ class Simulation:
         """The newest parameters and their version; they hold from the next interval on."""
         return self._changes.newest
 
+    @property
+    def shift_us(self) -> int:
+        """What is added to the times of the source's frames."""
+        return self._shift_us
+
     def change(self, changes: Mapping[str, Any]) -> tuple[Parameters, int]:
         """Change parameters, all at once, from the next interval on; returns them and their version.
 

@@ -22,8 +22,8 @@ class SourceStatus(BaseModel):
     request: SourceRequest
     """all that was asked for"""
 
-    state: Literal["opening", "running", "reconnecting", "ended"]
-    """how it is"""
+    state: Literal["opening", "waiting", "running", "reconnecting", "ended"]
+    """how it is; waiting: for a program that is to send the first frame"""
 
     message: str
     """why, in one line, where it is not running"""

@@ -7,7 +7,7 @@ or stream open for as long as the daemon runs. Of this project it knows the clie
 from voltcam_video.clock import Clock
 from voltcam_video.cubic import along_cubic
 from voltcam_video.flow import along_flow
-from voltcam_video.frame import Fit, Frame, Image, fit, luminance
+from voltcam_video.frame import Fit, Frame, Image, Outcome, fit, luminance
 from voltcam_video.interval import follows
 from voltcam_video.opencv import backends
 from voltcam_video.request import SourceRequest
@@ -21,6 +21,7 @@ __all__ = [
     "Frame",
     "Granted",
     "Image",
+    "Outcome",
     "Source",
     "SourceError",
     "SourceRequest",

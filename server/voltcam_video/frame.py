@@ -1,5 +1,6 @@
 """A frame, its luminance, and its fit into the camera's pixel array."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -12,6 +13,29 @@ Image = NDArray[np.uint8 | np.float32]
 Fit = Literal["crop", "letterbox", "stretch"]
 
 
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What became of a frame that a program sent. reason: one line, empty where it was simulated.
+
+    shift_us: what was added to its time to have the events'.
+    """
+
+    result: Literal["simulated", "skipped", "dropped"]
+    reason: str = ""
+    shift_us: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sent:
+    """Of a frame that a program sent. wait: it is not dropped for a newer one. missed: frames that were,
+    since the one before. tell: to be called once, from any thread, when its outcome is known.
+    """
+
+    wait: bool
+    missed: int
+    tell: Callable[[Outcome], None]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
     """A luminance image and when it was taken.
@@ -22,6 +46,7 @@ class Frame:
     position_us: of a recording, the time since its first frame.
     cut: the scene did not evolve continuously from the former frame: the first frame after a
         reconnection, and the first of every further round of a looped recording.
+    sent: of a frame that a program sent, on its own clock.
     """
 
     image: Image
@@ -29,6 +54,7 @@ class Frame:
     cut: bool = False
     events: NDArray[np.void] | None = None
     position_us: int | None = None
+    sent: Sent | None = None
 
 
 def luminance(image: NDArray[Any]) -> Image:

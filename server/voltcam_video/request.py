@@ -21,7 +21,8 @@ class SourceRequest(BaseModel):
         default="scene",
         min_length=1,
         description="scene (built in), a camera (0 or /dev/video0), a video file, a folder with images.txt, "
-        "an .npz, a stream (rtsp://, http://, udp://...), or replay:FILE, the events of a recording",
+        "an .npz, a stream (rtsp://, http://, udp://...), replay:FILE, the events of a recording, or "
+        "zmq+tcp://HOST:PORT, where programs send frames to",
     )
     width: int | None = Field(
         default=None, ge=1, le=16384, description="pixels, asked of a camera or the scene; none: as it comes"
@@ -72,6 +73,11 @@ class SourceRequest(BaseModel):
         if self.uri.isdecimal():
             return f"/dev/video{self.uri}"
         return self.uri if self.uri.startswith("/dev/") else None
+
+    @property
+    def inlet(self) -> str | None:
+        """The ZeroMQ endpoint where it listens, of frames that programs send."""
+        return self.uri.removeprefix("zmq+") if self.uri.startswith("zmq+") else None
 
     @property
     def path(self) -> Path | None:

@@ -19,9 +19,12 @@ LEAVE_S = 0.15
 
 @dataclass(frozen=True)
 class SourceState:
-    """How the source is; `granted` once it ran; attempts: failures in a row since its last frame."""
+    """How the source is; `granted` once it ran; attempts: failures in a row since its last frame.
 
-    state: Literal["opening", "running", "reconnecting", "ended"]
+    waiting: open, for a program that is to send the first frame.
+    """
+
+    state: Literal["opening", "waiting", "running", "reconnecting", "ended"]
     message: str = ""
     granted: Granted | None = None
     attempts: int = 0
@@ -40,15 +43,15 @@ def watch(
     A live source that fails after its first frame is opened again for ever, waiting 0.5 s to 10 s between
     attempts; its next frame has `cut` set. One that fails before its first frame raises SourceError, as a
     recording that fails does. granted: what a source gave that ran before: it is opened again for ever, too.
-    `on_state` is called at every change, by the thread that takes the frames. clock: shared by cameras whose
-    frames are to be on one.
+    `on_state` is called at every change, by the thread that takes the frames or the one that reads. clock:
+    shared by cameras whose frames are to be on one.
     """
     clock = clock or Clock()
     attempts, ran = 0, False
     on_state(SourceState("opening"))
     while not stop.is_set():
         clock.renew()
-        reader = _Reader(request, clock, open_with or open_source)
+        reader = _Reader(request, clock, open_with or open_source, on_state)
         try:
             for frame in reader.frames(stop):
                 if attempts or not ran:
@@ -76,8 +79,15 @@ class _Reader:
     It is one frame ahead at most: a slow consumer slows it down, no frame is lost here.
     """
 
-    def __init__(self, request: SourceRequest, clock: Clock, open_with: Opener) -> None:
+    def __init__(
+        self,
+        request: SourceRequest,
+        clock: Clock,
+        open_with: Opener,
+        on_state: Callable[[SourceState], None],
+    ) -> None:
         self.granted: Granted | None = None
+        self._on_state = on_state
         self._items: queue.Queue[Frame | Exception | None] = queue.Queue(maxsize=1)
         self._left = threading.Event()
         self._thread = threading.Thread(
@@ -107,6 +117,9 @@ class _Reader:
         try:
             with open_with(request, clock, self._left) as source:
                 self.granted = source.granted
+                if source.expects and not self._left.is_set():
+                    words = f"{request.shown}: waits for a program that sends frames"
+                    self._on_state(SourceState("waiting", words))
                 for frame in source:
                     self._put(frame)
                     if self._left.is_set():

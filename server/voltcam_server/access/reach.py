@@ -29,6 +29,12 @@ def check_reach(settings: "Settings", tokens: Tokens) -> None:
             "made with `openssl rand -hex 32`, or access.tokens_file in the config file, or stay on 127.0.0.1"
         )
     for camera in settings.each().values():
+        inlet = camera.source.inlet
+        if inlet is not None and not _is_loopback(host_of(inlet.removeprefix("tcp://"))):
+            raise UsageError(
+                f"--source {camera.source.shown} is open to the network, and anyone could send frames: use "
+                "127.0.0.1, and reach it from elsewhere with `ssh -L 5570:127.0.0.1:5570 HOST`"
+            )
         tcp = camera.zmq.startswith("tcp://")
         if tcp and not _is_loopback(host_of(camera.zmq.removeprefix("tcp://"))) and access.curve_keys is None:
             raise UsageError(

@@ -10,6 +10,7 @@ from voltcam_video.sources.images import ImagesSource
 from voltcam_video.sources.memory import MemorySource
 from voltcam_video.sources.network import NetworkSource
 from voltcam_video.sources.npz import NpzSource
+from voltcam_video.sources.pushed import PushedSource
 from voltcam_video.sources.scene import SceneSource
 from voltcam_video.sources.source import Granted, Source, SourceError
 
@@ -18,6 +19,7 @@ __all__ = ["SOURCES", "Granted", "MemorySource", "Source", "SourceError", "open_
 SOURCES: tuple[type[Source], ...] = (
     SceneSource,
     DeviceSource,
+    PushedSource,
     NetworkSource,
     ImagesSource,
     NpzSource,

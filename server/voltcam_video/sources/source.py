@@ -20,7 +20,7 @@ class Granted(TypedDict):
     kind: of source, in a word. frames: as announced; containers without an index estimate it from their
     duration.
     clock: where the stamps come from. kernel: the driver's, of the moment of capture; arrival: when we got
-    the frame; recording: the recording's own.
+    the frame; recording: the recording's own; sender: of the program that sends them.
     """
 
     kind: str
@@ -31,7 +31,7 @@ class Granted(TypedDict):
     pixel_format: str | None
     frames: int | None
     backend: str | None
-    clock: Literal["kernel", "arrival", "recording"]
+    clock: Literal["kernel", "arrival", "recording", "sender"]
 
 
 class Source(ABC):
@@ -39,11 +39,12 @@ class Source(ABC):
 
     live: comes from outside and may come back after an error, as a camera or stream does; reads never end,
     they raise SourceError. A recording ends with None. endless: does not end by itself, as live ones and the
-    scene.
+    scene. expects: it is open before there is a frame, and waits for as long as it takes.
     """
 
     live: bool
     endless: bool = False
+    expects: bool = False
     granted: Granted
 
     @classmethod
