@@ -38,7 +38,7 @@ __all__ = [
     "MOST_PIXELS",
     "Answer",
     "FrameHeader",
-    "Layout",
+    "PixelLayout",
     "Result",
     "check_size",
     "decode_answer",
@@ -57,7 +57,7 @@ MOST_US = 2**53  # a double holds any whole number below, and so does JSON every
 Result = Literal["simulated", "skipped", "dropped", "refused"]
 
 
-class Layout(NamedTuple):
+class PixelLayout(NamedTuple):
     """dtype: of a channel, NumPy's name. channels: their order in a pixel."""
 
     dtype: str
@@ -65,7 +65,7 @@ class Layout(NamedTuple):
 
 
 ENCODINGS = {
-    f"{name}{bits}": Layout(dtype, channels)
+    f"{name}{bits}": PixelLayout(dtype, channels)
     for bits, dtype in ((8, "u1"), (16, "<u2"))
     for name, channels in (("mono", "L"), ("rgb", "RGB"), ("bgr", "BGR"), ("rgba", "RGBA"), ("bgra", "BGRA"))
 }

@@ -32,7 +32,10 @@ def image_of(header: FrameHeader, data: memoryview) -> Image:
     """The luminance of an image whose `size_of` is known. Raises PacketError."""
     if header.encoding in ENCODINGS:
         return _raw(header, data)
-    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    try:
+        image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error:  # of some damage only; of most it gives none
+        image = None
     if image is None:
         raise PacketError(f"{len(data)} bytes are no whole {header.encoding} image")
     try:
