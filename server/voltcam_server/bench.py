@@ -24,6 +24,7 @@ from voltcam_video.sources.scene import render
 
 from .bench_figure import REPEATS, Figure, Frames, repeated
 from .bench_limits import MachineLimits, numpy_paper_law
+from .bench_live import live
 from .bench_report import BenchReport
 from .bench_scene import moving, noisy
 
@@ -79,6 +80,7 @@ def plan(limits: MachineLimits) -> Iterator[Callable[[], list[Figure]]]:
     yield partial(cost_per_event, scene, base)
     yield partial(upsampling, moving(61, 346, 260)[::4])
     yield partial(memory, base)
+    yield live
     yield start
 
 

@@ -65,6 +65,7 @@ def test_all_of_the_plan_is_measured_and_no_two_figures_have_one_name(
     monkeypatch.setattr(bench, "REPEATS", 1)
     monkeypatch.setattr(bench, "STILL_FRAMES", 4)
     monkeypatch.setattr(bench, "moving", lambda frames, *_: moving(min(frames, 17), 40, 30))
+    monkeypatch.setattr(bench, "live", lambda: [Figure.of("live", [1.0], "ms")])
     monkeypatch.setattr(bench, "start", lambda: [Figure.of("start", [1.0], "s")])
     monkeypatch.setattr(MachineLimits, "measured", lambda: LIMITS)
     arguments: Any = argparse.Namespace(json=True, compare=None)
@@ -72,5 +73,5 @@ def test_all_of_the_plan_is_measured_and_no_two_figures_have_one_name(
     printed = capsys.readouterr().out
     figures = json.loads(printed)["figures"]
     names = [figure["name"] for figure in figures]
-    assert len(set(names)) == len(names) == 18
+    assert len(set(names)) == len(names) == 19
     assert all(np.isfinite(figure["median"]) for figure in figures)

@@ -1,0 +1,150 @@
+"""`voltcam bench`, live: a daemon of its own with a recording played in real time, all effects of a davis346.
+
+How old the newest events are when they leave, and when a subscriber has them; how long an interval spends in
+each stage; whether a large camera keeps up.
+"""
+
+import contextlib
+import re
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import urllib.request
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from voltcam_client import Control, EventCamera
+from voltcam_client.errors import VoltcamError
+from voltcam_simulator import Camera
+
+from .bench_figure import Figure
+from .bench_scene import moving
+
+FPS, LOOK_S, BEGIN_S = 60, 5.0, 60.0
+POLL_S = 0.007  # no multiple of a frame
+PROGRAM = "import sys; from voltcam_client.cli import main; sys.exit(main())"
+SUM = re.compile(r'^voltcam_stage_seconds_(sum|count)\{.*stage="(\w+)".*\} (\S+)$', re.MULTILINE)
+
+
+class Seen(NamedTuple):
+    """Of a daemon, over some seconds; ms."""
+
+    ages: list[float]
+    """Of the newest events, as they left."""
+    ways: list[float]
+    """From there to a subscriber in this process."""
+    stages: dict[str, float]
+    """Mean time of an interval in each stage."""
+    dropped: int
+    simulated: int
+
+
+def live(look_s: float = LOOK_S) -> list[Figure]:
+    """The age of events of 346x260, paced and in bursts, and whether 1280x720 keeps up."""
+    figures = []
+    small = f"346x260 live at {FPS} frames/s, davis346"
+    for how, options in (("own pace", ()), ("--burst", ("--burst",))):
+        seen = watched(346, 260, options, look_s)
+        age99, way99 = (float(np.quantile(times, 0.99)) for times in (seen.ages, seen.ways))
+        period = 1e3 / FPS if not options else 0.0
+        stages = ", ".join(f"{stage} {ms:.1f}" for stage, ms in seen.stages.items())
+        remark = f"99 %: {age99:.1f} + {way99:.1f} ms on the way; frame period {period:.1f}; mean of {stages}"
+        ages = [age + float(np.median(seen.ways)) for age in seen.ages]
+        figures.append(Figure.of(f"{small}, age at receipt, {how}", ages, "ms", remark))
+    seen = watched(1280, 720, (), look_s)
+    name = f"1280x720 live at {FPS} frames/s, davis346, frames dropped"
+    figures.append(Figure.of(name, [float(seen.dropped)], "frames", f"of {seen.dropped + seen.simulated}"))
+    return figures
+
+
+def watched(width: int, height: int, options: tuple[str, ...], look_s: float) -> Seen:
+    """A daemon with a moving scene, once it runs. Raises VoltcamError where it does not begin."""
+    with _daemon(width, height, options) as (http, zmq):
+        control = Control(f"http://{http}")
+        ways: list[float] = []
+        stop = threading.Event()
+        listener = threading.Thread(target=_listen, args=(zmq, stop, ways))
+        listener.start()
+        before, (count0, sum0) = _frames(control), _stages(http)
+        ages, until_s = [], time.monotonic() + look_s
+        while time.monotonic() < until_s:
+            ages.append(float(control.status()["latency"]["age_ms"]))
+            time.sleep(POLL_S)
+        after, (count1, sum1) = _frames(control), _stages(http)
+        stop.set()
+        listener.join(10)
+    stages = {
+        stage: 1e3 * (sum1[stage] - sum0[stage]) / max(1, count1[stage] - count0[stage]) for stage in sum0
+    }
+    return Seen(ages, ways or [0.0], stages, after[0] - before[0], after[1] - before[1])
+
+
+def _frames(control: Control) -> tuple[int, int]:
+    frames = control.status()["frames"]
+    return int(frames["dropped"]), int(frames["simulated"])
+
+
+def _stages(http: str) -> tuple[dict[str, float], dict[str, float]]:
+    """(how many intervals, seconds of all of them) by stage."""
+    with urllib.request.urlopen(f"http://{http}/metrics", timeout=10) as answer:
+        text = answer.read().decode()
+    found: dict[str, dict[str, float]] = {"count": {}, "sum": {}}
+    for kind, stage, value in SUM.findall(text):
+        found[kind][stage] = float(value)
+    return found["count"], found["sum"]
+
+
+def _listen(zmq: str, stop: threading.Event, ways: list[float]) -> None:
+    """As a robot does: how long packets are on their way here, by one clock."""
+    with contextlib.suppress(TimeoutError), EventCamera(zmq, timeout_s=10) as camera:
+        for packet in camera:
+            ways.append((time.time_ns() - packet.stamp_ns) / 1e6)
+            if stop.is_set():
+                return
+
+
+@contextlib.contextmanager
+def _daemon(width: int, height: int, options: tuple[str, ...]) -> Iterator[tuple[str, str]]:
+    """Where its HTTP and its packets are, once it runs."""
+    with tempfile.TemporaryDirectory() as folder:
+        scene, camera = Path(folder, "scene.npz"), Path(folder, "camera.yaml")
+        frames = moving(FPS, width, height)
+        np.savez(scene, frames=frames, t_us=np.arange(FPS) * 1_000_000 // FPS)
+        sized = Camera.load("davis346").model_copy(update={"width": width, "height": height})
+        camera.write_text(sized.to_yaml())
+        http, zmq = (f"127.0.0.1:{_free_port()}" for _ in range(2))
+        command = [
+            sys.executable, "-c", PROGRAM, "serve", "--camera", str(camera), "--source", str(scene), "--loop",
+            "--http", http, "--zmq", f"tcp://{zmq}", "--dv", "off", *options,
+        ]  # fmt: skip
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            _wait_until_it_runs(process, Control(f"http://{http}"))
+            yield http, f"tcp://{zmq}"
+        finally:
+            process.terminate()
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(10)
+            process.kill()
+
+
+def _wait_until_it_runs(process: "subprocess.Popen[bytes]", control: Control) -> None:
+    until_s = time.monotonic() + BEGIN_S
+    while process.poll() is None and time.monotonic() < until_s:
+        with contextlib.suppress(VoltcamError):
+            status = control.status()
+            if status["frames"]["simulated"] > 2 * FPS:  # the beginning, with its compiling, is over
+                return
+        time.sleep(0.1)
+    raise VoltcamError(f"the daemon that was to be measured does not run within {BEGIN_S:g} s")
+
+
+def _free_port() -> int:
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        return int(free.getsockname()[1])
