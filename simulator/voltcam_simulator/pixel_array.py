@@ -96,7 +96,7 @@ class PixelArray:
             self.light[place], light, response, drift, noise, bow, rate,
             leak=None if sensor.leak is None else sensor.leak.ravel()[place],
             planes={
-                name: {k: a[place] if is_plane(a, self.voltage) else a for k, a in state.items()}
+                name: {k: a[..., place] if is_plane(a, self.voltage) else a for k, a in state.items()}
                 for name, state in self.state.items()
             },
         )  # fmt: skip
@@ -251,5 +251,5 @@ class PixelArray:
 
 
 def is_plane(array: NDArray[np.generic], voltage: Plane) -> bool:
-    """True for a state that has a number for each pixel."""
-    return array.dtype == np.float32 and array.shape == voltage.shape
+    """True for a state that has a number, or several, for each pixel."""
+    return array.dtype == np.float32 and array.shape[-1:] == voltage.shape
