@@ -152,8 +152,10 @@ class EventInterval:
     end_us: int
     interval: int
     state: dict[str, State]
-    voltage: Plane  # (pixels,) voltages at the end of the interval, which an effect may change
-    light: Plane  # (pixels,) what the pixels see then [DN]
+    voltage: (
+        Plane  # (pixels,) voltages at the end of the interval; for an effect that `feeds_back`, to change
+    )
+    light: Plane  # (pixels,) what the pixels see then [DN]; for one that `sees_light`
     limits: Limits
 
     @property
@@ -210,6 +212,9 @@ class Effect(BaseModel):
 
     feeds_back: ClassVar[bool] = False
     """True for one whose `report` changes the pixels' voltages."""
+
+    sees_light: ClassVar[bool] = False
+    """True for one whose `report` looks at the light of the pixels."""
 
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:

@@ -6,12 +6,13 @@ from concurrent.futures import ThreadPoolExecutor, wait
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .band_state import BandState
 from .band_step import BandStepper
 from .effect import Band, Effect, Image, Plane, State, overrides
 from .fixed_pattern import FixedPattern, lay_down
+from .frames import host_image
 from .groups import Motion, Pixels
 from .kicks import no_kicks
 from .law import Law
@@ -151,9 +152,18 @@ class PixelArray:
             state.update({name: np.array(saved[f"state/{effect}/{name}"]) for name in state})
         self._divide()
 
+    def image(self, frame: ArrayLike) -> Image:
+        """A frame as an own (height, width) array, uint8 or float32. Raises ValueError."""
+        return host_image(frame, self.height, self.width)
+
+    def host_image(self, image: Image) -> Image:
+        """An own copy of such an array."""
+        return image.copy()
+
     def settle(self, image: Image, t_us: int) -> None:
         """Show an image as if it had been there for long: light and response of that instant, no events."""
         self._still.wake_all(self._bands)
+        image = image.ravel()
         for state in self._bands:
             band = self._stepper.see(state, image, t_us, 0.0, self._elapsed_us)
             state.light[:], state.response[:] = band.light, band.response
@@ -181,12 +191,15 @@ class PixelArray:
         if self._still.allowed:
             self._still.look(before, after, span_us)
 
-    def step(self, image: Image, start_us: int, offset_us: float, span_us: float) -> None:
-        """From the last instant to the next, at which the sensor sees `image` (pixels,) DN.
+    def step(
+        self, before: Image, after: Image, share: float, start_us: int, offset_us: float, span_us: float
+    ) -> None:
+        """From the last instant to the next, at which the sensor is that share of the way between two images.
 
         The step starts offset_us after start_us, from which its events are timed.
         """
         self.limits.hurry()
+        image = between(before, after, share).ravel()
         key = interval_key(self.seed, CROSSINGS, self._steps)
 
         def share(workspace: Workspace) -> None:
@@ -228,6 +241,15 @@ class PixelArray:
         taken = [workspace.take_keys() for workspace in self._workspaces]
         return taken[0] if len(taken) == 1 else np.concatenate(taken)
 
+    def host_keys(self, keys: Keys) -> Keys:
+        """Keys on the host."""
+        return keys
+
+    def in_order(self, keys: Keys, span_us: int) -> Keys:
+        """Keys of an interval of span_us, sorted."""
+        keys.sort()
+        return keys
+
     def abandon(self) -> None:
         """Leave the interval under way: its events are forgotten, each voltage is what it has come to."""
         for workspace in self._workspaces:
@@ -248,6 +270,14 @@ class PixelArray:
     def event_bytes(self) -> int:
         """Memory of the space for the events of an interval."""
         return sum(workspace.event_bytes for workspace in self._workspaces)
+
+
+def between(before: Image, after: Image, share: float) -> Image:
+    """What is that share of the way between two images."""
+    if share >= 1:
+        return after
+    part = np.float32(share)
+    return ((1 - part) * before + part * after).astype(np.float32, copy=False)
 
 
 def is_plane(array: NDArray[np.generic], voltage: Plane) -> bool:

@@ -1,0 +1,31 @@
+"""The function that a thread runs for the effects of its pixel, written from what a `TracedBand` has noted."""
+
+import functools
+from collections.abc import Callable
+from typing import Any
+
+from numba import cuda
+
+from .traced_band import TracedBand
+
+_cuda: Any = cuda  # it tells no types
+Calls = tuple[tuple[Callable[..., None], tuple[str, ...]], ...]
+
+
+def calls_of(band: TracedBand) -> Calls:
+    """What a function is written from: the same for the same effects, whatever their numbers."""
+    return tuple(band.calls)
+
+
+def source(calls: Calls) -> str:
+    """Its text: band, a `PixelBand`; place, a `Place`; planes, tables and numbers, tuples; i, the pixel."""
+    lines = [f"    kernel_{k}({', '.join(given)})" for k, (_, given) in enumerate(calls)]
+    return "\n".join(["def effects(band, place, planes, tables, numbers, i):", *(lines or ["    pass"]), ""])
+
+
+@functools.lru_cache(maxsize=64)
+def effects_of(calls: Calls) -> Any:
+    """The function for the device."""
+    scope: dict[str, Any] = {f"kernel_{k}": kernel for k, (kernel, _) in enumerate(calls)}
+    exec(compile(source(calls), "<effects of a pixel>", "exec"), scope)
+    return _cuda.jit(device=True)(scope["effects"])
