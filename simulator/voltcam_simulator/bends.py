@@ -10,6 +10,7 @@ transient of size C at the start, to a few per cent. (Knots go as the square roo
 for the last piece, which has all of the tail.) How few pieces do follows from it in closed form.
 """
 
+import math
 from typing import Any
 
 import numpy as np
@@ -66,10 +67,12 @@ def count_pieces(bow: Any, drift: Any, rate: Any, q: Any, span_us: Any, pieces: 
     tolerance, share = straightness(span_us)
     for k in range(pieces.shape[0]):
         allowed = max(tolerance, share * abs(drift[k]))
-        pieces[k] = q[k] * (_TAIL + np.sqrt(_HALF * abs(bow[k]) / (depth(rate[k]) * allowed)))
+        pieces[k] = q[k] * (_TAIL + math.sqrt(_HALF * abs(bow[k]) / (depth(rate[k]) * allowed)))
     most = _1
     for k in range(pieces.shape[0]):
-        pieces[k] = min(max(np.ceil(pieces[k]), _1), _MOST_PIECES)
+        needed = min(max(pieces[k], _1), _MOST_PIECES)
+        whole = np.float32(np.int32(needed))
+        pieces[k] = whole if whole == needed else whole + _1
         most = max(most, pieces[k])
     return int(most)
 

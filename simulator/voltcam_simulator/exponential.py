@@ -17,10 +17,12 @@ _BIAS, _EXPONENT_BITS = np.int32(127), np.int32(23)
 def power_of_e(x: Any) -> Any:
     """e^x of a float32 number; relative error below 2e-7 (1 + |x|), x held in -87..88."""
     clipped = min(max(x, _LOWEST), _HIGHEST)
-    n = np.floor(clipped * _LOG2_E + _HALF)
-    r = clipped - n * _LN_2
+    scaled = clipped * _LOG2_E + _HALF
+    n = np.int32(scaled)
+    n -= np.int32(np.float32(n) > scaled)  # rounded down, also below 0
+    r = clipped - np.float32(n) * _LN_2
     series = _1 + r * (_1 + r * (_C2 + r * (_C3 + r * (_C4 + r * (_C5 + r * _C6)))))
-    return series * np.int32((np.int32(n) + _BIAS) << _EXPONENT_BITS).view(np.float32)
+    return series * np.int32((n + _BIAS) << _EXPONENT_BITS).view(np.float32)
 
 
 @kernel

@@ -1,8 +1,7 @@
 """What several effects do to planes: one line each, for a processor and a GPU alike."""
 
+import math
 from typing import Any
-
-import numpy as np
 
 from .kernel import kernel
 
@@ -39,4 +38,4 @@ def add_product(plane: Any, number: Any, factor: Any) -> None:
 def add_independent(noise: Any, noise2: Any) -> None:
     """noise, a standard deviation, becomes that with the variance noise2 added."""
     for i in range(noise.shape[0]):
-        noise[i] = np.sqrt(noise[i] * noise[i] + noise2[i])
+        noise[i] = math.sqrt(noise[i] * noise[i] + noise2[i])

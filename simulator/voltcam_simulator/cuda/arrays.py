@@ -1,7 +1,7 @@
 """Arrays on the device: made, copied there and back, sorted.
 
-With NUMBA_ENABLE_CUDASIM=1 there is no device: kernels run as Python, and arrays are NumPy's. (Inside a group,
-the simulator hands them to kernels as they are; so kernels compiled for the processor take them, too.)
+With NUMBA_ENABLE_CUDASIM=1 there is no device: kernels run as Python, and arrays are NumPy's. (Inside a
+group, the simulator hands them to kernels as they are; so kernels compiled for the processor take them, too.)
 """
 
 import importlib.util
@@ -12,6 +12,8 @@ from numba import cuda
 from numba.core import config
 from numpy.typing import DTypeLike, NDArray
 
+from .unfused import install, unfused
+
 DeviceArray = Any
 """numba.cuda's, with `__cuda_array_interface__`; NumPy's where the device is simulated."""
 
@@ -21,6 +23,9 @@ SIMULATED: bool = bool(_settings.ENABLE_CUDASIM)
 THREADS = 128
 """Of a block: pixels have different amounts of work, so small blocks make room for others sooner."""
 REMEDY = "install a GPU driver and voltcam[cuda] (CUDA 13) or voltcam[cuda12], or leave device cuda out"
+
+
+install()
 
 
 class NoDeviceError(RuntimeError):
@@ -81,7 +86,8 @@ def fill(array: DeviceArray, values: DeviceArray) -> None:
 def launch(kernel: Any, threads: int, *groups: Any) -> None:
     """Run a kernel for that many threads; arrays only within groups."""
     if threads:
-        kernel[-(-threads // THREADS), THREADS](*groups)
+        with unfused():  # the first launch compiles
+            kernel[-(-threads // THREADS), THREADS](*groups)
 
 
 def in_order(keys: DeviceArray, bits: int) -> DeviceArray:

@@ -1,4 +1,4 @@
-"""The function that a thread runs for the effects of its pixel, written from what a `TracedBand` has noted."""
+"""The function that a thread runs for the effects of its pixel, written from the notes of a `TracedBand`."""
 
 import functools
 from collections.abc import Callable

@@ -1,7 +1,7 @@
 """What the effects do to a pixel, noted down: which kernels run over which planes, with which numbers.
 
-An effect knows a band of pixels and hands kernels to `Band.apply`. Here the band is one that has names instead
-of planes, and remembers. From that, `program` writes the function that each thread runs for its pixel.
+An effect knows a band of pixels and hands kernels to `Band.apply`. Here the band is one that has names
+instead of planes, and remembers. From that, `program` writes the function that each thread runs for its pixel.
 """
 
 from collections.abc import Callable

@@ -83,7 +83,7 @@ of its way, at most."""
 def mean_rate(a0: Any, a1: Any) -> Any:
     """Of a rate that goes from a0 to a1 as a power: their logarithmic mean, to 1 % if one is eleven times the
     other (Simpson's rule)."""
-    return (_4 * np.sqrt(a0 * a1) + a0 + a1) * _1_6TH
+    return (_4 * math.sqrt(a0 * a1) + a0 + a1) * _1_6TH
 
 
 @kernel
