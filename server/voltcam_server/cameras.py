@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict
 
-from voltcam_simulator import Camera, Law, Parameters
+from voltcam_simulator import Camera, Law, NoDeviceError, Parameters
 from voltcam_video import Clock, SourceError
 
 from .camera_settings import CameraSettings, EncodingName, check_encoding
@@ -108,19 +108,23 @@ class RunningCamera:
         zeromq = ZeroMQTransport(settings.zmq, settings.encoding, around.keys)
         websockets = WebSocketTransport(around.page)
         transports: list[Transport] = [zeromq, websockets]
-        emulator = Emulator(
-            plan.camera,
-            settings.source,
-            law=settings.law,
-            seed=settings.seed,
-            upsample=settings.upsample,
-            packets=settings.packets,
-            overload=settings.overload,
-            transports=transports,
-            clock=around.clock,
-            on_status=lambda status: around.on_status(plan.name, status),
-            on_failure=around.on_failure,
-        )
+        try:
+            emulator = Emulator(
+                plan.camera,
+                settings.source,
+                law=settings.law,
+                device=settings.device,
+                seed=settings.seed,
+                upsample=settings.upsample,
+                packets=settings.packets,
+                overload=settings.overload,
+                transports=transports,
+                clock=around.clock,
+                on_status=lambda status: around.on_status(plan.name, status),
+                on_failure=around.on_failure,
+            )
+        except NoDeviceError as error:
+            raise UsageError(one_line(error)) from None
         diagnosis = DiagnosisRunner(emulator, zeromq.endpoint)
         return cls(plan, emulator, diagnosis, websockets, zeromq.endpoint, transports)
 

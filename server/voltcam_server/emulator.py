@@ -11,7 +11,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 
-from voltcam_simulator import Camera, Law
+from voltcam_simulator import Camera, Device, Law
 from voltcam_video import Clock, Granted, SourceError, SourceRequest
 
 from .camera_settings import PacketSettings, Upsample
@@ -47,6 +47,7 @@ class Emulator:
         source: SourceRequest,
         *,
         law: Law = "exact",
+        device: Device = "cpu",
         seed: int = 0,
         upsample: Upsample = "off",
         packets: PacketSettings | None = None,
@@ -57,7 +58,7 @@ class Emulator:
         on_failure: Callable[[], None] = lambda: None,
     ) -> None:
         self.camera = camera
-        self.simulation = Simulation(camera, law, seed, upsample, overload)
+        self.simulation = Simulation(camera, law, seed, upsample, overload, device)
         self.failure: Exception | None = None
         self._transports = transports
         self._on_status, self._on_failure = on_status, on_failure

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from voltcam_simulator import (
     EVENT,
     Camera,
+    Device,
     GivenUpError,
     Law,
     Limits,
@@ -52,6 +53,7 @@ class Simulation:
         seed: int,
         upsample: Upsample = "off",
         overload: OverloadSettings | None = None,
+        device: Device = "cpu",
     ) -> None:
         self.camera = camera
         self._law: Law = law
@@ -63,10 +65,10 @@ class Simulation:
         self.out_of_order = 0
         self.unusable = 0
         self.fault = ""  # why the last unusable frame was one
-        self._compiled = CompiledEffects(law)
+        self._compiled = CompiledEffects(law, device)
         self.prepare(camera.parameters)
         size = camera.width, camera.height
-        self._simulator = Simulator(*size, camera.parameters, law, seed, threads_for(*size))
+        self._simulator = Simulator(*size, camera.parameters, law, seed, threads_for(*size), device)
         self._changes = ParameterChanges(self._simulator)
         self._upsample: Upsample = upsample
         self._next: Arrival | None = None  # with "cubic": what comes after the frame at hand

@@ -13,14 +13,17 @@ from .effect import EVENT
 from .law import Law
 from .limits import GivenUpError, Limits, TooLongError, TooManyEventsError
 from .parameters import Parameters
+from .sensor_pixels import Device, NoDeviceError
 from .simulator import Simulator
 
 __all__ = [
     "EVENT",
     "Camera",
+    "Device",
     "GivenUpError",
     "Law",
     "Limits",
+    "NoDeviceError",
     "Parameters",
     "Simulator",
     "TooLongError",

@@ -9,7 +9,13 @@ if TYPE_CHECKING:
     from .cuda.cuda_pixels import CudaPixels
 
 Device = Literal["cpu", "cuda"]
+"""What simulates: a processor, or a GPU."""
+
 SensorPixels: TypeAlias = "PixelArray | CudaPixels"
+
+
+class NoDeviceError(RuntimeError):
+    """There is no GPU, or something that it needs is missing."""
 
 
 def sensor_pixels(device: Device, width: int, height: int, law: Law, seed: int, threads: int) -> SensorPixels:

@@ -12,6 +12,7 @@ from numba import cuda
 from numba.core import config
 from numpy.typing import DTypeLike, NDArray
 
+from ..sensor_pixels import NoDeviceError
 from .unfused import install, unfused
 
 DeviceArray = Any
@@ -26,10 +27,6 @@ REMEDY = "install a GPU driver and voltcam[cuda] (CUDA 13) or voltcam[cuda12], o
 
 
 install()
-
-
-class NoDeviceError(RuntimeError):
-    """There is no GPU, or something that it needs is missing."""
 
 
 def require() -> None:
