@@ -1,4 +1,8 @@
-"""The order in which test files are begun."""
+"""The order in which test files are begun, and numba's simulator of a GPU in the place of one."""
+
+import os
+
+os.environ.setdefault("NUMBA_ENABLE_CUDASIM", "1")  # read when numba is imported first
 
 import pytest
 

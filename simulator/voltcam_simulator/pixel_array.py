@@ -202,7 +202,7 @@ class PixelArray:
         image = between(before, after, share).ravel()
         key = interval_key(self.seed, CROSSINGS, self._steps)
 
-        def share(workspace: Workspace) -> None:
+        def work(workspace: Workspace) -> None:
             for state in self._bands:
                 if state.workspace is workspace:
                     self._step(state, image, key, start_us, offset_us, span_us)
@@ -210,9 +210,9 @@ class PixelArray:
         for workspace in self._workspaces:
             workspace.most_keys = self.limits.most_events // len(self._workspaces)
             workspace.limits = self.limits
-        others = [self._pool.submit(share, workspace) for workspace in self._workspaces[1:]]
+        others = [self._pool.submit(work, workspace) for workspace in self._workspaces[1:]]
         try:
-            share(self._workspaces[0])
+            work(self._workspaces[0])
         finally:
             wait(others)
         for other in others:

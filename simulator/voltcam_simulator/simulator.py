@@ -69,7 +69,7 @@ class Simulator:
         self.width, self.height, self.law, self.seed = width, height, law, seed
         self._threads = threads if device == "cpu" else 1
         self.device = device
-        self._pixels: Any = sensor_pixels(device, width, height, law, seed, threads)
+        self._pixels = sensor_pixels(device, width, height, law, seed, threads)
         self._frame: Image | None = None
         self._t_us = 0
         self._intervals = 0

@@ -8,18 +8,17 @@ import importlib.util
 from typing import Any
 
 import numpy as np
-from numba import cuda
 from numba.core import config
 from numpy.typing import DTypeLike, NDArray
 
 from ..sensor_pixels import NoDeviceError
+from .target import cuda
 from .unfused import install, unfused
 
 DeviceArray = Any
 """numba.cuda's, with `__cuda_array_interface__`; NumPy's where the device is simulated."""
 
 _settings: Any = config
-_cuda: Any = cuda  # it tells no types
 SIMULATED: bool = bool(_settings.ENABLE_CUDASIM)
 THREADS = 128
 """Of a block: pixels have different amounts of work, so small blocks make room for others sooner."""
@@ -36,7 +35,7 @@ def require() -> None:
     for module, package in (("numba_cuda", "numba-cuda"), ("cuda.compute", "cuda-cccl")):
         if not _found(module):
             raise NoDeviceError(f"device cuda needs the package {package}: {REMEDY}")
-    if not _cuda.is_available():
+    if not cuda.is_available():
         raise NoDeviceError(f"device cuda finds no GPU, or no driver for it: {REMEDY}")
 
 
@@ -54,12 +53,12 @@ def zeros(shape: int | tuple[int, ...], dtype: DTypeLike) -> DeviceArray:
 
 def empty(shape: int | tuple[int, ...], dtype: DTypeLike) -> DeviceArray:
     """Space that holds anything."""
-    return np.empty(shape, dtype) if SIMULATED else _cuda.device_array(shape, dtype)
+    return np.empty(shape, dtype) if SIMULATED else cuda.device_array(shape, dtype)
 
 
 def upload(array: NDArray[Any]) -> DeviceArray:
     """A copy on the device."""
-    return array.copy(order="C") if SIMULATED else _cuda.to_device(np.ascontiguousarray(array))
+    return array.copy(order="C") if SIMULATED else cuda.to_device(np.ascontiguousarray(array))
 
 
 def download(array: DeviceArray) -> NDArray[Any]:
@@ -91,7 +90,7 @@ def in_order(keys: DeviceArray, bits: int) -> DeviceArray:
     """uint64 keys in rising order, of which only that many low bits count; on the device, by radix sort."""
     if SIMULATED or not keys.size:
         return np.sort(keys) if SIMULATED else keys
-    from cuda.compute import SortOrder, radix_sort  # type: ignore[import-not-found,unused-ignore]
+    from cuda.compute import SortOrder, radix_sort
 
     ordered = empty(keys.size, np.uint64)
     radix_sort(

@@ -42,10 +42,10 @@ class CudaPixels:
         pixels = self._pixels = width * height
         voltage, pending, held, above, below = (arrays.zeros(pixels, np.float32) for _ in range(5))
         self._state = Pixels(voltage, pending, held, above, below)
-        self._seen = Seen(*(arrays.zeros(pixels, np.float32) for _ in range(2)), arrays.zeros(1, np.float32))
-        self._no_kicks = Kicks(
-            *(arrays.zeros((0, height), np.float64) for _ in range(2)), arrays.zeros(height, np.float32)
-        )
+        light, response = (arrays.zeros(pixels, np.float32) for _ in range(2))
+        self._seen = Seen(light, response, arrays.zeros(1, np.float32))
+        times, sizes = (arrays.zeros((0, height), np.float64) for _ in range(2))
+        self._no_kicks = Kicks(times, sizes, arrays.zeros(height, np.float32))
         self._has_held = False
         self._voltage: Plane | None = None  # while the events' effects may change it on the host
         self.effects: list[Effect] = []
@@ -151,7 +151,8 @@ class CudaPixels:
     def _follow_late(self, step: Step, after_it: tuple[Any, ...]) -> None:
         """Follow the pixels whose events did not fit, until all have found room. Raises GivenUpError."""
         room, late = FIRST_ROOM, self._counted()
-        kernel = self._kernels.setdefault(self.law, kernels.stepping_late(self.law)) if late else None
+        if late and self.law not in self._kernels:
+            self._kernels[self.law] = kernels.stepping_late(self.law)
         while late:
             self.limits.hurry()
             former = self._output
@@ -162,10 +163,9 @@ class CudaPixels:
             threads = max(1, min(late, ROOM_KEYS // room))
             space = arrays.empty((threads, room), np.uint64)
             for first in range(0, late, threads):
-                turn = Late(former.numbers, first, late, space)
+                turn = Late(former.numbers, former.motion, first, late, space)
                 arrays.launch(
-                    kernel, threads, self._state, self._seen, step, *after_it, turn, (former.motion,),
-                    self._output,
+                    self._kernels[self.law], threads, self._state, self._seen, step, *after_it, turn, self._output,
                 )  # fmt: skip
             late, room = self._counted(), room * 8
 

@@ -3,15 +3,12 @@
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import cuda
-from numpy.typing import NDArray
 
 from ..effect import EVENT, Events
 from ..event_key import unpack
 from . import arrays
 from .arrays import DeviceArray
-
-_cuda: Any = cuda  # it tells no types
+from .target import cuda, launched
 
 
 class DeviceEvents(NamedTuple):
@@ -36,8 +33,7 @@ class DeviceEvents(NamedTuple):
 
 def events_of(keys: DeviceArray, start_us: int) -> DeviceEvents:
     """Sorted keys of an interval that starts at start_us, as events."""
-    space: list[NDArray[Any]] = [arrays.empty(keys.size, EVENT.fields[name][0]) for name in EVENT.names or ()]
-    events = DeviceEvents(*space)
+    events = DeviceEvents(*(arrays.empty(keys.size, EVENT[name]) for name in DeviceEvents._fields))
     arrays.launch(_unpack, keys.size, events, (keys,), np.int64(start_us))
     return events
 
@@ -50,7 +46,7 @@ def left_there(events: Events | DeviceEvents | None) -> DeviceEvents:
     return DeviceEvents(*(arrays.upload(host[name]) for name in DeviceEvents._fields))
 
 
-@_cuda.jit
+@launched
 def _unpack(events: Any, keys: Any, start_us: Any) -> None:
     i = cuda.grid(1)
     if i < keys[0].shape[0]:

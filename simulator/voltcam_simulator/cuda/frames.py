@@ -3,14 +3,13 @@
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import cuda
 
 from ..frames import checked_kind, checked_shape, host_image
 from ..kernel import kernel
 from . import arrays
 from .arrays import SIMULATED, DeviceArray
+from .target import cuda, launched
 
-_cuda: Any = cuda  # it tells no types
 ON_CUDA = 2
 """DLPack's number for memory of a CUDA device."""
 
@@ -54,7 +53,7 @@ def on_device(frame: Any) -> DeviceArray | None:
         frame = _Memory(_interface_of_dlpack(frame), frame)
     if SIMULATED:  # its memory is the host's
         return np.asarray(_Host(frame.__cuda_array_interface__))
-    return _cuda.as_cuda_array(frame)
+    return cuda.as_cuda_array(frame)
 
 
 class _Memory:
@@ -74,7 +73,7 @@ class _Host:
 
 def _interface_of_dlpack(frame: Any) -> dict[str, Any]:
     """What an array that knows only DLPack would say by `__cuda_array_interface__`."""
-    from cuda.core.utils import StridedMemoryView  # type: ignore[import-not-found,unused-ignore]
+    from cuda.core.utils import StridedMemoryView
 
     view: Any = StridedMemoryView.from_dlpack(frame, stream_ptr=-1)
     itemsize = np.dtype(view.dtype).itemsize
@@ -85,7 +84,7 @@ def _interface_of_dlpack(frame: Any) -> dict[str, Any]:
     }  # fmt: skip
 
 
-@_cuda.jit
+@launched
 def _take(source: Any) -> None:
     i = cuda.grid(1)
     if i < source.image.shape[0]:

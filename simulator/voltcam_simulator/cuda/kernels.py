@@ -3,7 +3,6 @@
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import cuda
 
 from ..bends import MOST_PIECES
 from ..groups import Motion, Place
@@ -25,8 +24,8 @@ from .one_pixel import (
     put_back,
     step_of_pixel,
 )
+from .target import cuda, launched, on_device
 
-_cuda: Any = cuda  # it tells no types
 OWN_KEYS = 16
 """Events that a thread has space for; a pixel with more in a step is followed again with more."""
 CUTS, STARTS = DEEPEST + 1, MOST_PIECES + 1
@@ -78,6 +77,8 @@ class Late(NamedTuple):
 
     numbers: Any
     """int32."""
+    motion: Any
+    """See `Output`."""
     first: Any
     """The first of them whose turn it is."""
     count: Any
@@ -86,7 +87,7 @@ class Late(NamedTuple):
     """(threads, keys) uint64."""
 
 
-@_cuda.jit(device=True)
+@on_device
 def deliver(keys: Any, written: Any, output: Any) -> Any:
     """Put a pixel's events with those of others; False where they do not fit."""
     if written <= 0:
@@ -100,7 +101,7 @@ def deliver(keys: Any, written: Any, output: Any) -> Any:
     return True
 
 
-@_cuda.jit(device=True)
+@on_device
 def be_late(i: Any, drift: Any, noise: Any, bow: Any, rate: Any, output: Any) -> None:
     """Note a pixel whose events did not fit."""
     output.numbers[cuda.atomic.add(output.counts, LATE, 1)] = i
@@ -108,7 +109,7 @@ def be_late(i: Any, drift: Any, noise: Any, bow: Any, rate: Any, output: Any) ->
     output.motion[2, i], output.motion[3, i] = bow[0], rate[0]
 
 
-@_cuda.jit(device=True)
+@on_device
 def light_of(frames: Any, i: Any) -> Any:
     """The grey level of a pixel at the end of the step."""
     before, after, share = np.float32(frames.before[i]), np.float32(frames.after[i]), frames.share
@@ -118,7 +119,7 @@ def light_of(frames: Any, i: Any) -> Any:
 def settling(effects: Any) -> Any:
     """The kernel that shows a sensor an image as if it had been there for long."""
 
-    @_cuda.jit
+    @launched
     def settle(seen: Any, frames: Any, given: Any, width: Any) -> None:
         i = cuda.grid(1)
         if i >= seen.light.shape[0]:
@@ -137,7 +138,7 @@ def settling(effects: Any) -> Any:
 def starting(effects: Any) -> Any:
     """The kernel that puts the voltages where they are after long."""
 
-    @_cuda.jit
+    @launched
     def start(pixels: Any, seen: Any, given: Any, key: Any, width: Any) -> None:
         i = cuda.grid(1)
         if i >= seen.light.shape[0]:
@@ -159,7 +160,7 @@ def stepping(effects: Any, law: Law) -> Any:
     """The kernel of a step: what effects do to light and voltage, and the way of the voltage."""
     follow = _following(law)
 
-    @_cuda.jit
+    @launched
     def step_all(
         pixels: Any, seen: Any, frames: Any, given: Any, step: Any, reset: Any, kicks: Any, careful: Any,
         output: Any,
@@ -192,10 +193,9 @@ def stepping_late(law: Law) -> Any:
     """The kernel for pixels whose events did not fit; again they may not."""
     follow = _following(law)
 
-    @_cuda.jit
+    @launched
     def step_late(
-        pixels: Any, seen: Any, step: Any, reset: Any, kicks: Any, careful: Any, late: Any, motion: Any,
-        output: Any,
+        pixels: Any, seen: Any, step: Any, reset: Any, kicks: Any, careful: Any, late: Any, output: Any,
     ) -> None:  # fmt: skip
         thread = cuda.grid(1)
         if thread >= late.room.shape[0] or late.first + thread >= late.count:
@@ -203,8 +203,8 @@ def stepping_late(law: Law) -> Any:
         floats = cuda.local.array((FLOATS, 1), np.float32)
         i = np.int64(late.numbers[late.first + thread])
         band = pixel_band(floats, seen.light[i : i + 1], seen.leak[0:1])
-        band.drift[0], band.noise[0] = motion[0, i], motion[1, i]
-        band.bow[0], band.rate[0] = motion[2, i], motion[3, i]
+        band.drift[0], band.noise[0] = late.motion[0, i], late.motion[1, i]
+        band.bow[0], band.rate[0] = late.motion[2, i], late.motion[3, i]
         own, keys = own_pixel(floats, pixels, i), late.room[thread]
         row = i // step.width
         written = follow(
@@ -213,7 +213,7 @@ def stepping_late(law: Law) -> Any:
         if deliver(keys, written, output):
             put_back(own, pixels, i)
         else:
-            be_late(i, motion[0, i], motion[1, i], band.bow, band.rate, output)
+            be_late(i, late.motion[0, i], late.motion[1, i], band.bow, band.rate, output)
 
     return step_late
 
@@ -223,7 +223,7 @@ def _following(law: Law) -> Any:
     return _follow_by_paper if law == "paper" else _follow
 
 
-@_cuda.jit(device=True)
+@on_device
 def _follow(
     own: Any, band: Any, step: Any, reset: Any, kicks: Any, careful: Any, floats: Any, keys: Any
 ) -> Any:
@@ -238,7 +238,7 @@ def _follow(
     return cross_pixel(own, band.drift, band.noise, band.bow, band.rate, step, reset, kicks, careful, memory)
 
 
-@_cuda.jit(device=True)
+@on_device
 def _follow_by_paper(
     own: Any, band: Any, step: Any, reset: Any, kicks: Any, careful: Any, floats: Any, keys: Any
 ) -> Any:

@@ -4,11 +4,9 @@ import functools
 from collections.abc import Callable
 from typing import Any
 
-from numba import cuda
-
+from .target import on_device
 from .traced_band import TracedBand
 
-_cuda: Any = cuda  # it tells no types
 Calls = tuple[tuple[Callable[..., None], tuple[str, ...]], ...]
 
 
@@ -28,4 +26,4 @@ def effects_of(calls: Calls) -> Any:
     """The function for the device."""
     scope: dict[str, Any] = {f"kernel_{k}": kernel for k, (kernel, _) in enumerate(calls)}
     exec(compile(source(calls), "<effects of a pixel>", "exec"), scope)
-    return _cuda.jit(device=True)(scope["effects"])
+    return on_device(scope["effects"])

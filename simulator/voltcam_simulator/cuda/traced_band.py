@@ -1,7 +1,7 @@
 """What the effects do to a pixel, noted down: which kernels run over which planes, with which numbers.
 
 An effect knows a band of pixels and hands kernels to `Band.apply`. Here the band is one that has names
-instead of planes, and remembers. From that, `program` writes the function that each thread runs for its pixel.
+instead of planes, and remembers. From that, `program` writes the function that a thread runs for its pixel.
 """
 
 from collections.abc import Callable
@@ -52,14 +52,15 @@ class TracedBand(Band):
 
     def copied(self, plane: Plane) -> Plane:
         assert self.copies < COPIES
-        own = named(f"band.copies[{self.copies}]")
+        own: Plane = named(f"band.copies[{self.copies}]")
         self.copies += 1
         self.apply(copy, plane, own)
-        return own  # type: ignore[no-any-return]
+        return own
 
     def independent_noise(self) -> Plane:
-        self.noise2 = named("band.noise2")
-        return self.noise2  # type: ignore[return-value]
+        noise2: Plane = named("band.noise2")
+        self.noise2 = noise2
+        return noise2
 
     def _told(self, argument: Any) -> str:
         if isinstance(argument, Name):
@@ -81,13 +82,13 @@ def traced(
     sensor: Sensor, states: dict[str, State], start_us: int, span_us: float, elapsed_us: float
 ) -> TracedBand:
     """A band without anything noted; states: the effects', with names for their planes."""
-    planes = [
+    light_before, light, response, drift, noise, bow, rate = (
         named(f"band.{plane}")
         for plane in ("light_before", "light", "response", "drift", "noise", "bow", "rate")
-    ]
+    )
     return TracedBand(
-        sensor, 0, start_us, span_us, elapsed_us, sensor.temperature_c, *planes,
-        leak=None if sensor.leak is None else named("band.leak"), planes=states,
+        sensor, 0, start_us, span_us, elapsed_us, sensor.temperature_c, light_before, light, response, drift,
+        noise, bow, rate, leak=None if sensor.leak is None else named("band.leak"), planes=states,
     )  # fmt: skip
 
 

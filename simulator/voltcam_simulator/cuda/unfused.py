@@ -1,7 +1,7 @@
 """Kernels for the device in which a product and a sum are rounded one after the other, as on a processor.
 
-By itself the device's compiler makes one operation of both (FMA), rounded once: other last bits, and so, now and
-then, another event. numba-cuda has no option for it; NVVM, which it hands the code to, has.
+By itself the device's compiler makes one operation of both (FMA), rounded once: other last bits, and so, now
+and then, another event. numba-cuda has no option for it; NVVM, which it hands the code to, has.
 """
 
 from collections.abc import Iterator
