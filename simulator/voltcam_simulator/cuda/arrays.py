@@ -4,6 +4,7 @@ With NUMBA_ENABLE_CUDASIM=1 there is no device: kernels run as Python, and array
 group, the simulator hands them to kernels as they are; so kernels compiled for the processor take them, too.)
 """
 
+import importlib
 import importlib.util
 from typing import Any
 
@@ -90,11 +91,10 @@ def in_order(keys: DeviceArray, bits: int) -> DeviceArray:
     """uint64 keys in rising order, of which only that many low bits count; on the device, by radix sort."""
     if SIMULATED or not keys.size:
         return np.sort(keys) if SIMULATED else keys
-    from cuda.compute import SortOrder, radix_sort
-
+    cub: Any = importlib.import_module("cuda.compute")
     ordered = empty(keys.size, np.uint64)
-    radix_sort(
-        d_in_keys=keys, d_out_keys=ordered, num_items=keys.size, order=SortOrder.ASCENDING, begin_bit=0,
+    cub.radix_sort(
+        d_in_keys=keys, d_out_keys=ordered, num_items=keys.size, order=cub.SortOrder.ASCENDING, begin_bit=0,
         end_bit=bits,
     )  # fmt: skip
     return ordered

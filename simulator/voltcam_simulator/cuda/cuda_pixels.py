@@ -164,9 +164,8 @@ class CudaPixels:
             space = arrays.empty((threads, room), np.uint64)
             for first in range(0, late, threads):
                 turn = Late(former.numbers, former.motion, first, late, space)
-                arrays.launch(
-                    self._kernels[self.law], threads, self._state, self._seen, step, *after_it, turn, self._output,
-                )  # fmt: skip
+                given = self._state, self._seen, step, *after_it, turn, self._output
+                arrays.launch(self._kernels[self.law], threads, *given)
             late, room = self._counted(), room * 8
 
     def _counted(self) -> int:

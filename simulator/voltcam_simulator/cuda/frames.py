@@ -1,5 +1,6 @@
 """Frames as the device has them: from the host, or from where another library has them on the device."""
 
+import importlib
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -73,9 +74,8 @@ class _Host:
 
 def _interface_of_dlpack(frame: Any) -> dict[str, Any]:
     """What an array that knows only DLPack would say by `__cuda_array_interface__`."""
-    from cuda.core.utils import StridedMemoryView
-
-    view: Any = StridedMemoryView.from_dlpack(frame, stream_ptr=-1)
+    utils: Any = importlib.import_module("cuda.core.utils")  # numba-cuda brings it
+    view = utils.StridedMemoryView.from_dlpack(frame, stream_ptr=-1)
     itemsize = np.dtype(view.dtype).itemsize
     strides = None if view.strides is None else tuple(step * itemsize for step in view.strides)
     return {
