@@ -15,8 +15,8 @@ ON_CUDA = 2
 """DLPack's number for memory of a CUDA device."""
 
 
-class Source(NamedTuple):
-    """A frame of any real type, and where it goes."""
+class FrameThere(NamedTuple):
+    """A frame of any real type on the device, and where it goes."""
 
     frame: Any
     """(height, width)."""
@@ -38,7 +38,7 @@ def device_image(frame: Any, height: int, width: int) -> DeviceArray:
     checked_shape(found.shape, height, width)
     checked_kind(found.dtype)
     dtype = np.uint8 if found.dtype == np.uint8 else np.float32
-    source = Source(found, arrays.empty(height * width, dtype), arrays.zeros(1, np.int32))
+    source = FrameThere(found, arrays.empty(height * width, dtype), arrays.zeros(1, np.int32))
     arrays.launch(_take, height * width, source)
     if dtype == np.float32 and arrays.download(source.bad)[0]:
         raise ValueError("the frame has values that are negative or not finite: grey levels start at 0")

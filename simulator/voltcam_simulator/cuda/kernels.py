@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..bends import MOST_PIECES
-from ..groups import Motion, Place
+from ..groups import Motion, Place, Step
 from ..law import Law
 from ..out_of_reach import add_response
 from ..single_path import DEEPEST
@@ -22,7 +22,6 @@ from .one_pixel import (
     own_pixel,
     pixel_band,
     put_back,
-    step_of_pixel,
 )
 from .target import cuda, launched, on_device
 
@@ -178,9 +177,8 @@ def stepping(effects: Any, law: Law) -> Any:
         add_response(band.light, band.response, band.drift, seen.light[i : i + 1], seen.response[i : i + 1])
         drift, noise = band.drift[0], band.noise[0]
         own = own_pixel(floats, pixels, i)
-        written = follow(
-            own, band, step_of_pixel(step, i), reset, kicks_of_row(kicks, row), careful, floats, keys
-        )
+        own_step = Step(step.key, step.span_us, step.offset_us, i, step.width)
+        written = follow(own, band, own_step, reset, kicks_of_row(kicks, row), careful, floats, keys)
         if deliver(keys, written, output):
             put_back(own, pixels, i)
         else:
@@ -207,9 +205,8 @@ def stepping_late(law: Law) -> Any:
         band.bow[0], band.rate[0] = late.motion[2, i], late.motion[3, i]
         own, keys = own_pixel(floats, pixels, i), late.room[thread]
         row = i // step.width
-        written = follow(
-            own, band, step_of_pixel(step, i), reset, kicks_of_row(kicks, row), careful, floats, keys
-        )
+        own_step = Step(step.key, step.span_us, step.offset_us, i, step.width)
+        written = follow(own, band, own_step, reset, kicks_of_row(kicks, row), careful, floats, keys)
         if deliver(keys, written, output):
             put_back(own, pixels, i)
         else:

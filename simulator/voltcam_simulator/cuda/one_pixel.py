@@ -10,7 +10,7 @@ import numpy as np
 
 from ..bent_crossings import Bent, cross_bent
 from ..crossings import cross_straight
-from ..groups import Bend, Kicks, Motion, Pixels, Step
+from ..groups import Bend, Kicks, Motion, Pixels
 from ..kernel import kernel
 from ..out_of_reach import accumulate_bent
 from ..paper_law import cross_by_paper
@@ -142,9 +142,3 @@ def cross_pixel_by_paper(own: Any, drift: Any, noise: Any, step: Any, keys: Any)
         step.offset_us, step.first_pixel, step.width, 0, keys,
     )  # fmt: skip
     return written if done > 0 else -1
-
-
-@kernel
-def step_of_pixel(step: Any, i: Any) -> Any:
-    """The step of a band that is pixel i alone."""
-    return Step(step.key, step.span_us, step.offset_us, i, step.width)
