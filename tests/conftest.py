@@ -1,6 +1,8 @@
-"""The order in which test files are begun, and what all daemons of tests are told."""
+"""The order in which test files are begun, what daemons of tests are told, numba's simulator of a GPU."""
 
 import os
+
+os.environ.setdefault("NUMBA_ENABLE_CUDASIM", "1")  # read when numba is imported first
 
 import pytest
 

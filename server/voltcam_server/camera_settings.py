@@ -8,7 +8,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 
 from voltcam_client.encodings import ENCODINGS, EVENT
 from voltcam_client.errors import PacketError
-from voltcam_simulator import Camera, Law, Parameters
+from voltcam_simulator import Camera, Device, Law, Parameters
 from voltcam_video import SourceRequest
 
 from .beside import DavisSettings
@@ -88,6 +88,9 @@ class CameraSettings(BaseModel):
     law: Law = Field(
         default="exact",
         description="exact: Brownian motion itself; paper: the algorithm of DVS-Voltmeter, as published",
+    )
+    device: Device = Field(
+        default="cpu", description="what simulates: cpu, or cuda, a GPU (needs the extra cuda)"
     )
     seed: int = Field(default=0, ge=0, lt=2**63, description="the same seed and frames give the same events")
     source: SourceRequest = Field(default_factory=SourceRequest, description="where frames come from")

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict
 
 from voltcam_client.packet import TOPIC_EVENTS, TOPIC_FRAMES
 from voltcam_client.samples import TOPIC_IMU, TOPIC_TRIGGERS
-from voltcam_simulator import Camera, Law, Parameters
+from voltcam_simulator import Camera, Law, NoDeviceError, Parameters
 from voltcam_video import Clock, SourceError
 
 from .bias_panel import BiasPanel
@@ -128,20 +128,26 @@ class RunningCamera:
             raise
         if dv is not None:
             transports.append(dv)
-        emulator = Emulator(
-            plan.camera,
-            settings.source,
-            law=settings.law,
-            seed=settings.seed,
-            upsample=settings.upsample,
-            packets=settings.packets,
-            overload=settings.overload,
-            davis=settings.davis,
-            transports=transports,
-            clock=around.clock,
-            on_status=lambda status: around.on_status(plan.name, status),
-            on_failure=around.on_failure,
-        )
+        try:
+            emulator = Emulator(
+                plan.camera,
+                settings.source,
+                law=settings.law,
+                device=settings.device,
+                seed=settings.seed,
+                upsample=settings.upsample,
+                packets=settings.packets,
+                overload=settings.overload,
+                davis=settings.davis,
+                transports=transports,
+                clock=around.clock,
+                on_status=lambda status: around.on_status(plan.name, status),
+                on_failure=around.on_failure,
+            )
+        except NoDeviceError as error:
+            for transport in transports:
+                transport.stop()
+            raise UsageError(one_line(error)) from None
         diagnosis = DiagnosisRunner(emulator, zeromq.endpoint)
         return cls(
             plan, emulator, diagnosis, websockets, zeromq.endpoint, transports, dv.address if dv else None

@@ -9,7 +9,7 @@ from typing import Any, get_args
 
 from voltcam_client.cli_arguments import seconds
 from voltcam_client.formats import SUFFIXES
-from voltcam_simulator import Law, camera_names
+from voltcam_simulator import Device, Law, camera_names
 from voltcam_simulator.parameters import merged
 from voltcam_video import Fit
 
@@ -134,6 +134,9 @@ def _add_camera(parser: argparse.ArgumentParser) -> None:
     camera.add_argument("--camera", metavar="NAME", help=f"{CAMERA_HELP} (default: davis346)")
     camera.add_argument("--law", choices=get_args(Law), help="when a pixel fires (default: exact)")
     camera.add_argument(
+        "--device", choices=get_args(Device), help="cpu, or cuda: a GPU (voltcam[cuda]; default: cpu)"
+    )
+    camera.add_argument(
         "--seed", metavar="N", help="the same seed and frames give the same events (default: 0)"
     )
     camera.add_argument(
@@ -196,6 +199,7 @@ def _convert(args: argparse.Namespace) -> int:
         camera=settings.load_camera(),
         output=args.output,
         law=settings.law,
+        device=settings.device,
         seed=settings.seed,
         upsample="cubic" if settings.upsample == "off" else settings.upsample,
         seconds=args.seconds,
@@ -217,7 +221,7 @@ def _given(args: argparse.Namespace) -> dict[str, Any]:
     given = {key: value for key, value in vars(args).items() if value is not None}
     content: dict[str, Any] = {
         key: given[key]
-        for key in ("camera", "law", "seed", "upsample", "http", "zmq", "dv", "encoding")
+        for key in ("camera", "law", "device", "seed", "upsample", "http", "zmq", "dv", "encoding")
         if key in given
     }
     source = {key: given[key] for key in SOURCE_FIELDS if key in given}

@@ -4,7 +4,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from voltcam_simulator import GivenUpError, Law, Limits, Parameters, Simulator
+from voltcam_simulator import Device, GivenUpError, Law, Limits, Parameters, Simulator
 from voltcam_simulator.effect import Effect
 
 SPANS_US, MOST_EVENTS = (10_000, 10, 1), 10_000
@@ -12,10 +12,11 @@ SPANS_US, MOST_EVENTS = (10_000, 10, 1), 10_000
 
 
 class CompiledEffects:
-    """Which effects have been compiled for one law."""
+    """Which effects have been compiled for one law and device."""
 
-    def __init__(self, law: Law) -> None:
+    def __init__(self, law: Law, device: Device = "cpu") -> None:
         self._law: Law = law
+        self._device: Device = device
         self._kinds: set[tuple[str, ...]] = set()
 
     def prepare(self, parameters: Parameters) -> None:
@@ -25,7 +26,7 @@ class CompiledEffects:
             return
         self._kinds |= kinds
         for span_us in SPANS_US:
-            small = Simulator(2, 2, parameters, self._law)
+            small = Simulator(2, 2, parameters, self._law, device=self._device)
             small.advance(np.zeros((2, 2), np.uint8), 0)
             steps = span_us / parameters.longest_step_us
             with suppress(GivenUpError):

@@ -14,7 +14,7 @@ from voltcam_client.formats import READABLE, Recording, Writer, left_out, open_w
 from voltcam_client.formats.rosbag import METADATA
 from voltcam_client.formats.spool import PARTIAL
 from voltcam_client.meter import short
-from voltcam_simulator import Camera, Law, Simulator
+from voltcam_simulator import Camera, Device, Law, NoDeviceError, Simulator
 from voltcam_video import (
     Frame,
     Outcome,
@@ -41,6 +41,7 @@ class Conversion:
     camera: Camera
     output: Path
     law: Law = "exact"
+    device: Device = "cpu"
     seed: int = 0
     upsample: Upsampling = "cubic"
     seconds: float | None = None
@@ -72,7 +73,12 @@ def convert(job: Conversion) -> str:
 
 def _simulate(source: Source, job: Conversion, stop: threading.Event) -> str:
     width, height = job.camera.width, job.camera.height
-    simulator = Simulator(width, height, job.camera.parameters, job.law, job.seed, threads_for(width, height))
+    try:
+        simulator = Simulator(
+            width, height, job.camera.parameters, job.law, job.seed, threads_for(width, height), job.device
+        )
+    except NoDeviceError as error:
+        raise UsageError(one_line(error)) from None
     frames, began_s = 0, time.monotonic()
 
     def fitted() -> Iterator[Frame]:

@@ -11,7 +11,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 
-from voltcam_simulator import Camera, Law
+from voltcam_simulator import Camera, Device, Law
 from voltcam_video import Clock, Granted, Outcome, SourceError, SourceRequest
 
 from .beside import DavisSettings
@@ -48,6 +48,7 @@ class Emulator:
         source: SourceRequest,
         *,
         law: Law = "exact",
+        device: Device = "cpu",
         seed: int = 0,
         upsample: Upsample = "off",
         packets: PacketSettings | None = None,
@@ -59,7 +60,7 @@ class Emulator:
         on_failure: Callable[[], None] = lambda: None,
     ) -> None:
         self.camera = camera
-        self.simulation = Simulation(camera, law, seed, upsample, overload, davis)
+        self.simulation = Simulation(camera, law, seed, upsample, overload, davis, device)
         self.failure: Exception | None = None
         self._transports = transports
         self._on_status, self._on_failure = on_status, on_failure

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from voltcam_simulator import (
     EVENT,
     Camera,
+    Device,
     GivenUpError,
     Law,
     Limits,
@@ -54,6 +55,7 @@ class Simulation:
         upsample: Upsample = "off",
         overload: OverloadSettings | None = None,
         davis: DavisSettings | None = None,
+        device: Device = "cpu",
     ) -> None:
         self.camera = camera
         self._davis = davis or DavisSettings()
@@ -67,10 +69,10 @@ class Simulation:
         self.out_of_order = 0
         self.unusable = 0
         self.fault = ""  # why the last unusable frame was one
-        self._compiled = CompiledEffects(law)
+        self._compiled = CompiledEffects(law, device)
         self.prepare(camera.parameters)
         size = camera.width, camera.height
-        self._simulator = Simulator(*size, camera.parameters, law, seed, threads_for(*size))
+        self._simulator = Simulator(*size, camera.parameters, law, seed, threads_for(*size), device)
         self._changes = ParameterChanges(self._simulator)
         self._upsample: Upsample = upsample
         self._next: Arrival | None = None  # with "cubic": what comes after the frame at hand

@@ -15,6 +15,7 @@ from .imu import ImuAtRest
 from .law import Law
 from .limits import GivenUpError, Limits, TooLongError, TooManyEventsError
 from .parameters import Parameters
+from .sensor_pixels import Device, NoDeviceError
 from .simulator import Simulator
 
 __all__ = [
@@ -22,10 +23,12 @@ __all__ = [
     "ApsFrame",
     "ApsFrames",
     "Camera",
+    "Device",
     "GivenUpError",
     "ImuAtRest",
     "Law",
     "Limits",
+    "NoDeviceError",
     "Parameters",
     "Simulator",
     "TooLongError",

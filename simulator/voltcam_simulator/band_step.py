@@ -11,6 +11,7 @@ from .kicks import kicks_of
 from .law import Law
 from .out_of_reach import accumulate, add_response
 from .paper_law import cross_by_paper
+from .plane_kernels import add_independent
 
 
 class BandStepper:
@@ -46,7 +47,7 @@ class BandStepper:
         for effect in self._drift:
             effect.drift(band)
         if band.noise2 is not None:
-            np.sqrt(band.noise * band.noise + band.noise2, out=band.noise)
+            band.apply(add_independent, band.noise, band.noise2)
 
     def draw_events(self, state: BandState, key: np.uint64, offset_us: float) -> None:
         """Follow a band's voltages over the step that it has seen; its event keys go into its workspace."""

@@ -10,12 +10,13 @@ transient of size C at the start, to a few per cent. (Knots go as the square roo
 for the last piece, which has all of the tail.) How few pieces do follows from it in closed form.
 """
 
+import math
 from typing import Any
 
 import numpy as np
 
 from .kernel import kernel
-from .logarithm import add_logarithm
+from .logarithm import logarithm
 
 TOLERANCE = 0.01
 """How far the mean path may be from straight pieces [nominal thresholds]: a third of how much the thresholds
@@ -66,10 +67,12 @@ def count_pieces(bow: Any, drift: Any, rate: Any, q: Any, span_us: Any, pieces: 
     tolerance, share = straightness(span_us)
     for k in range(pieces.shape[0]):
         allowed = max(tolerance, share * abs(drift[k]))
-        pieces[k] = q[k] * (_TAIL + np.sqrt(_HALF * abs(bow[k]) / (depth(rate[k]) * allowed)))
+        pieces[k] = q[k] * (_TAIL + math.sqrt(_HALF * abs(bow[k]) / (depth(rate[k]) * allowed)))
     most = _1
     for k in range(pieces.shape[0]):
-        pieces[k] = min(max(np.ceil(pieces[k]), _1), _MOST_PIECES)
+        needed = min(max(pieces[k], _1), _MOST_PIECES)
+        whole = np.float32(np.int32(needed))
+        pieces[k] = whole if whole == needed else whole + _1
         most = max(most, pieces[k])
     return int(most)
 
@@ -79,19 +82,15 @@ def find_knots(number: Any, pieces: Any, rate: Any, q: Any, share: Any, line: An
     """Where piece `number` of each path ends; (m,) float32 or longer, m that of share.
 
     share becomes the share of the step, line the distance of the path from the straight line there, in bows;
-    work (2, m or more).
+    work (m or more,).
     """
     m, number = share.shape[0], np.float32(number)
-    left, rest = work[0, :m], work[1, :m]
+    left = work[:m]
     for k in range(m):
         inner = _1 - q[k] * number / (pieces[k] - _TAIL * q[k])
         left[k] = inner if number < pieces[k] else _1
     for k in range(m):
-        rest[k] = left[k]
-        share[k] = _0
-    add_logarithm(rest, -_2, share)
-    for k in range(m):
-        share[k] = share[k] / rate[k] if number < pieces[k] else _1
+        share[k] = _0 - _2 * logarithm(left[k]) / rate[k] if number < pieces[k] else _1
     for k in range(m):
         away = (_1 - left[k] * left[k] - q[k] * (_2 - q[k]) * share[k]) / depth(rate[k])
         line[k] = away if number < pieces[k] else _0

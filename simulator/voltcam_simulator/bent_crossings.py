@@ -66,7 +66,7 @@ def cross_bent(
 
     The pixels themselves change only when all pieces are done.
     """
-    most = begin_bent(block, bent, pixels, motion, bend, step.span_us)
+    most = begin_bent(block, bent, pixels, motion, bend, step.span_us, space)
     key, count = step.key, block.shape[0]
     if len(kicks.sizes) > 0:
         take_out_kicks(count, bent, step.width, kicks)
@@ -89,13 +89,13 @@ def cross_bent(
 
 
 @kernel
-def begin_bent(block: Any, bent: Any, pixels: Any, motion: Any, bend: Any, span_us: Any) -> Any:
+def begin_bent(block: Any, bent: Any, pixels: Any, motion: Any, bend: Any, span_us: Any, space: Any) -> Any:
     """Take the pixels of a block, and cut their step into pieces; returns the most of any pixel."""
     n = block.shape[0]
     q, pieces = bent.q[:n], bent.pieces[:n]
     gather_bent(block, bent, motion, bend)
     most = count_pieces(bent.bow, bent.drift, bent.rate, q, span_us, pieces)
-    by_pieces(pieces, most, block, bent.numbers)
+    by_pieces(pieces, most, block, bent.numbers, space.starts)
     numbers, own = bent.numbers[:n], bent.pixels
     gather_bent(numbers, bent, motion, bend)
     count_pieces(bent.bow, bent.drift, bent.rate, q, span_us, pieces)
@@ -122,9 +122,10 @@ def gather_bent(numbers: Any, bent: Any, motion: Any, bend: Any) -> None:
 
 
 @kernel
-def by_pieces(pieces: Any, most: Any, block: Any, numbers: Any) -> None:
-    """Put the pixels of a block into numbers, those with more pieces first."""
-    starts = np.zeros(most + 1, np.int64)
+def by_pieces(pieces: Any, most: Any, block: Any, numbers: Any, starts: Any) -> None:
+    """Put the pixels of a block into numbers, those with more pieces first; starts: see `Space`."""
+    for i in range(most + 1):
+        starts[i] = 0
     for k in range(pieces.shape[0]):
         starts[most - int(pieces[k]) + 1] += 1
     for i in range(most):
@@ -146,37 +147,41 @@ def begin_piece(piece: Any, n: Any, bent: Any, paths: Any, step: Any, kicks: Any
     find_knots(piece + 1, bent.pieces, bent.rate, bent.q, share_end, line_end, space.small)
     for k in range(n):
         gain[k] = bent.drift[k] * (share_end[k] - share[k]) + bent.bow[k] * (line_end[k] - line[k])
-    may_stay = np.ones(n, np.bool_)
+    may_stay = space.marks[:n]
+    for k in range(n):
+        may_stay[k] = True
     if len(kicks.sizes) > 0:
         add_kicks(n, bent, step, kicks, may_stay)
-    count = stay(own, gain, bent.noise2, share_end, share, span, may_stay, paths.places)
+    count = stay(own, gain, bent.noise2, share_end, share, span, may_stay, space.small, paths.places)
     for c in range(count):
         k = paths.places[c]
         paths.numbers[c] = bent.numbers[k]
         paths.begin_us[c], paths.end_us[c] = span * share[k], span * share_end[k]
         paths.drift[c], paths.noise2[c] = gain[k], bent.noise2[k]
-    share[:n] = share_end
-    line[:n] = line_end
+    for k in range(n):
+        share[k] = share_end[k]
+        line[k] = line_end[k]
     return count
 
 
 @kernel
 def stay(
-    pixels: Any, gain: Any, noise2: Any, share_end: Any, share: Any, span_us: Any, may: Any, others: Any
-) -> Any:
+    pixels: Any, gain: Any, noise2: Any, share_end: Any, share: Any, span_us: Any, stays: Any, variance: Any,
+    others: Any,
+) -> Any:  # fmt: skip
     """Let drift and noise gather, over a piece, where no threshold is within reach; others receives the
-    places of the other pixels. Returns their number. may (n,) bool: which pixels are looked at."""
-    voltage, pending, held, n = pixels.voltage, pixels.pending, pixels.held, may.shape[0]
-    above, below, stays = pixels.above, pixels.below, np.empty(n, np.bool_)
-    variance, span, reach2 = np.empty(n, np.float32), np.float32(span_us), np.float32(REACH * REACH)
+    places of the other pixels. Returns their number. stays (n,) bool: at first which pixels are looked at,
+    at last which of them stay; variance (n or more,) is worked on."""
+    voltage, pending, held, n = pixels.voltage, pixels.pending, pixels.held, stays.shape[0]
+    above, below, span, reach2 = pixels.above, pixels.below, np.float32(span_us), np.float32(REACH * REACH)
     for k in range(n):
         variance[k] = pending[k] + noise2[k] * (share_end[k] - share[k]) * span
     for k in range(n):
         start, end = voltage[k], voltage[k] + gain[k]
         closest = min(above[k] - max(start, end), below[k] + min(start, end))
-        stays[k] = (closest > _0) & (closest * closest > reach2 * variance[k])
+        stays[k] &= (closest > _0) & (closest * closest > reach2 * variance[k])
     for k in range(n):
-        stays[k] &= (held[k] <= _0) & may[k]
+        stays[k] &= held[k] <= _0
     for k in range(n):
         voltage[k] += gain[k] if stays[k] else _0
     for k in range(n):
@@ -193,7 +198,10 @@ def take_out_kicks(n: Any, bent: Any, width: Any, kicks: Any) -> None:
     """Those of the step, of its drift."""
     for k in range(n):
         if kicks.slack[bent.numbers[k]] > 0.0:
-            bent.drift[k] -= kicks.sizes[:, bent.numbers[k] // width].sum()
+            total, row = 0.0, bent.numbers[k] // width
+            for kick in range(kicks.sizes.shape[0]):
+                total += kicks.sizes[kick, row]
+            bent.drift[k] -= total
 
 
 @kernel

@@ -40,17 +40,16 @@ class Unfinished(NamedTuple):
 
 @kernel
 def draw_crossings(
-    touching: Any, block: Any, step: Any, reset: Any, scratch: Any, cuts: Any, keys: Any, written: Any
+    touching: Any, block: Any, step: Any, reset: Any, space: Any, keys: Any, written: Any
 ) -> Any:
     """The events of those of a block's `Paths` that touching names; fills their end and free_us.
 
-    scratch (12, BLOCK): what is worked on side by side. Returns `written`, -1 when keys is full.
+    space: a `Space`. Returns `written`, -1 when keys is full.
     """
-    n = touching.shape[0]
+    n, scratch, cuts, again = touching.shape[0], space.scratch, space.cuts, space.again
     numbers, until, end, free = block.numbers, block.end_us, block.end, block.free_us
     paths = all_unfinished(scratch)
     begin_unfinished(touching, block, some_unfinished(paths, n))
-    again = np.empty(n + 1, np.int32)
     for turn in range(ROUNDS):
         if written + n > keys.shape[0]:
             return -1
@@ -60,9 +59,10 @@ def draw_crossings(
         for c in range(n):
             k = touching[c]
             end[k], free[k] = now.y[c], max(until[k] - now.left[c], free[k])  # not before that from before
-        rest = find_unfinished(now, again)
+        rest = find_unfinished(now, space.marks, again)
         n = 0
-        for c in again[:rest]:
+        for place in range(rest):
+            c = again[place]
             k = touching[c]
             if now.side[c] == 0.0 or turn == ROUNDS - 1:
                 address = event_address(step.first_pixel + numbers[k], step.width, 1.0 / step.width)
@@ -130,11 +130,13 @@ def write_keys(touching: Any, block: Any, paths: Any, step: Any, keys: Any, writ
 
 
 @kernel
-def find_unfinished(paths: Any, places: Any) -> Any:
-    """Fill places with those of the paths that may touch a threshold in their time; returns their number."""
+def find_unfinished(paths: Any, inside: Any, places: Any) -> Any:
+    """Fill places with those of the paths that may touch a threshold in their time; returns their number.
+
+    inside (n or more,) bool: is worked on.
+    """
     n, x, y, above, below = paths.states.shape[0], paths.x, paths.y, paths.above, paths.below
     noise2, left = paths.noise2, paths.left
-    inside = np.empty(n, np.bool_)
     for c in range(n):
         inside[c] = (left[c] <= 0.0) | stays_inside(x[c], y[c], above[c], below[c], noise2[c] * left[c])
     count = 0

@@ -60,5 +60,6 @@ def cross_straight(
     here = some(paths, block, block)
     gather(motion.drift, block, here.drift)
     gather(motion.noise, block, here.noise2)
-    here.noise2[:] *= here.noise2
+    for k in range(block.shape[0]):
+        here.noise2[k] *= here.noise2[k]
     return cross_block(here, pixels, step.key, step, reset, kicks, careful, space, keys, written)

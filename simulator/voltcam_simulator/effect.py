@@ -13,6 +13,7 @@ calls, in registry order, only those that an active effect overrides.
 """
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal
 
@@ -20,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from .groups import Bend
+from .groups import Bend, Place
 from .limits import Limits
 from .random import events_generator, events_key, pattern
 
@@ -117,6 +118,24 @@ class Band:
         """How the response goes between the instants: straight, unless an effect has filled bow and rate."""
         return Bend(self.bow, self.rate) if self.is_bent else STRAIGHT
 
+    @property
+    def place(self) -> Place:
+        """Where its pixels are."""
+        width = self.sensor.width
+        return Place(self.first_row, 0, self.light.size // width, width)
+
+    def apply(self, kernel: Callable[..., None], *arguments: Any) -> None:
+        """Run a kernel over planes of this band: kernel(*arguments).
+
+        Effects change planes by this alone, one pixel from its own values: so on a GPU, where a thread has
+        one pixel, the same kernels run, given its planes of one pixel.
+        """
+        kernel(*arguments)
+
+    def copied(self, plane: Plane) -> Plane:
+        """A copy that lasts for the step."""
+        return plane.copy()
+
     def independent_noise(self) -> Plane:
         """`noise2`, made when the first effect needs it."""
         if self.noise2 is None:
@@ -133,8 +152,10 @@ class EventInterval:
     end_us: int
     interval: int
     state: dict[str, State]
-    voltage: Plane  # (pixels,) voltages at the end of the interval, which an effect may change
-    light: Plane  # (pixels,) what the pixels see then [DN]
+    voltage: (
+        Plane  # (pixels,) voltages at the end of the interval; for an effect that `feeds_back`, to change
+    )
+    light: Plane  # (pixels,) what the pixels see then [DN]; for one that `sees_light`
     limits: Limits
 
     @property
@@ -192,6 +213,9 @@ class Effect(BaseModel):
     feeds_back: ClassVar[bool] = False
     """True for one whose `report` changes the pixels' voltages."""
 
+    sees_light: ClassVar[bool] = False
+    """True for one whose `report` looks at the light of the pixels."""
+
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
         super().__pydantic_init_subclass__(**kwargs)
@@ -217,7 +241,7 @@ class Effect(BaseModel):
         return t_us
 
     def state(self, sensor: Sensor) -> State:
-        """Arrays it keeps between calls; float32 ones of (height * width,) are handed out band by band."""
+        """Arrays it keeps between calls; float32 ones of (..., height * width) are handed out by band."""
         return {}
 
     def prepare(self, sensor: Sensor) -> None:

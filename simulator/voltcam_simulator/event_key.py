@@ -27,6 +27,11 @@ def event_key(time: Any, address: Any, side: Any) -> Any:
     return (np.uint64(time) << _TIME_SHIFT) | address | (_ONE if side > 0 else np.uint64(0))
 
 
+def key_bits(span_us: int) -> int:
+    """How many of the low bits may differ from key to key in an interval of span_us."""
+    return int(_TIME_SHIFT) + (span_us + 1).bit_length()
+
+
 @kernel
 def unpack(keys: Any, start_us: Any, t: Any, x: Any, y: Any, p: Any) -> None:
     """Sorted event keys to the columns of an event array."""

@@ -7,13 +7,16 @@ import numpy as np
 from .effect import EventInterval, Events, Plane, overrides
 from .event_order import copied, merged
 from .parameters import Parameters
-from .pixel_array import PixelArray
+from .sensor_pixels import SensorPixels
+
+NO_PLANE = np.empty(0, np.float32)
+"""In the place of a plane that nobody looks at."""
 
 
 class EventStages:
     """What is behind the pixels. Events that an effect has given out, and that are not due yet, wait here."""
 
-    def __init__(self, pixels: PixelArray) -> None:
+    def __init__(self, pixels: SensorPixels) -> None:
         self._pixels = pixels
         self.read_us = 0
         """Up to when events have been through all stages."""
@@ -39,17 +42,23 @@ class EventStages:
         """Whether events on their way change the pixels."""
         return any(effect.active and effect.feeds_back for effect in self._effects)
 
+    @property
+    def see_light(self) -> bool:
+        """Whether `passed` needs the light."""
+        return any(effect.active and effect.sees_light for effect in self._effects)
+
     def passed(self, events: Events, start_us: int, end_us: int, interval: int, light: Plane) -> Events:
         """What leaves the camera by end_us of the pixels' events from start_us on, and of those before.
 
-        light (pixels,): what the pixels see at end_us [DN]. Raises GivenUpError.
+        light (pixels,): what the pixels see at end_us [DN], where they `see_light`. Raises GivenUpError.
         """
-        if not (self.waiting or self._any_active):
-            self.read_us = self.complete_us = end_us
+        if self.idle:
+            self.pass_by(end_us)
             return events
         pixels = self._pixels
+        voltage = pixels.voltage if self.feed_back else NO_PLANE
         readout = EventInterval(
-            pixels.sensor, start_us, end_us, interval, pixels.state, pixels.voltage, light, pixels.limits,
+            pixels.sensor, start_us, end_us, interval, pixels.state, voltage, light, pixels.limits,
         )  # fmt: skip
         for effect in self._effects:
             if effect.active:
@@ -64,6 +73,15 @@ class EventStages:
         self.read_us = readout.end_us
         self.complete_us = max(self.complete_us, self._stamped(readout.end_us))
         return events
+
+    @property
+    def idle(self) -> bool:
+        """Whether events leave as they come: no effect is on, and none waits."""
+        return not (self.waiting or self._any_active)
+
+    def pass_by(self, end_us: int) -> None:
+        """An interval is over whose events have left as they came."""
+        self.read_us = self.complete_us = end_us
 
     def _stamped(self, t_us: int) -> int:
         """The earliest stamp of what is still to come at t_us."""

@@ -14,15 +14,19 @@ _BIAS, _EXPONENT_BITS = np.int32(127), np.int32(23)
 
 
 @kernel
+def power_of_e(x: Any) -> Any:
+    """e^x of a float32 number; relative error below 2e-7 (1 + |x|), x held in -87..88."""
+    clipped = min(max(x, _LOWEST), _HIGHEST)
+    scaled = clipped * _LOG2_E + _HALF
+    n = np.int32(scaled)
+    n -= np.int32(np.float32(n) > scaled)  # rounded down, also below 0
+    r = clipped - np.float32(n) * _LN_2
+    series = _1 + r * (_1 + r * (_C2 + r * (_C3 + r * (_C4 + r * (_C5 + r * _C6)))))
+    return series * np.int32((n + _BIAS) << _EXPONENT_BITS).view(np.float32)
+
+
+@kernel
 def exponential(x: Any) -> None:
-    """x becomes e^x in place, float32; relative error below 2e-7 (1 + |x|), x held in -87..88."""
-    power = np.empty(x.shape[0], np.int32)
+    """x becomes e^x in place, a float32 plane."""
     for i in range(x.shape[0]):
-        clipped = min(max(x[i], _LOWEST), _HIGHEST)
-        n = np.floor(clipped * _LOG2_E + _HALF)
-        r = clipped - n * _LN_2
-        x[i] = _1 + r * (_1 + r * (_C2 + r * (_C3 + r * (_C4 + r * (_C5 + r * _C6)))))
-        power[i] = (np.int32(n) + _BIAS) << _EXPONENT_BITS
-    factor = power.view(np.float32)
-    for i in range(x.shape[0]):
-        x[i] *= factor[i]
+        x[i] = power_of_e(x[i])

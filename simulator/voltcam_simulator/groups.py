@@ -26,6 +26,16 @@ class Pixels(NamedTuple):
     """The OFF threshold, as a distance from 0."""
 
 
+class Place(NamedTuple):
+    """Which pixels of the sensor a plane has, row after row; int."""
+
+    first_row: Any
+    first_column: Any
+    rows: Any
+    columns: Any
+    """All of a row for a band; 1 for a single pixel."""
+
+
 class Motion(NamedTuple):
     """What one step does to the voltages of a band; planes (n,)."""
 

@@ -20,13 +20,19 @@ def kicks_of(band: Band) -> Kicks:
     A kick that a row does not have in this step stands at its end, at inf, with size 0. A row's slack is the
     largest sum of its kicks up to or from a time, more than 0 where there is any kick.
     """
+    kicks = kicks_of_rows(band)
+    return kicks._replace(slack=np.repeat(kicks.slack, band.sensor.width))
+
+
+def kicks_of_rows(band: Band) -> Kicks:
+    """The same with the slack of each row, (rows,), instead of each pixel."""
     band.kicks.sort(key=lambda kick: kick[0][0])  # of the first row: what is nearly in order is quick to sort
     times_us = np.stack([times_us for times_us, _ in band.kicks])
     sizes, slack = np.empty_like(times_us), np.empty(times_us.shape[1], np.float32)
     _in_order(
         np.array([size for _, size in band.kicks], np.float64), band.span_us, Kicks(times_us, sizes, slack)
     )
-    return Kicks(times_us, sizes, np.repeat(slack, band.sensor.width))
+    return Kicks(times_us, sizes, slack)
 
 
 @kernel

@@ -37,6 +37,7 @@ def accumulate(
     they were: those whose mean path is straight, and those where it is not. Returns how many each are.
     """
     span, row, straight, curved = np.float32(span_us), 0, 0, 0
+    far, level = np.empty(voltage.shape[0], np.bool_), np.empty(voltage.shape[0], np.bool_)
     while row < ahead.shape[0]:
         first = row
         while row < ahead.shape[0] and not ahead[row]:
@@ -45,10 +46,10 @@ def accumulate(
         several = Pixels(voltage[run], pending[run], held[run], above[run], below[run])
         rest = near[straight:]
         if bow is None:
-            straight += _accumulate(several, drift[run], noise[run], span, rest, run.start)
+            straight += _accumulate(several, drift[run], noise[run], span, far, rest, run.start)
         else:
-            more, others = _accumulate_bent(
-                several, drift[run], noise[run], bow[run], span, rest, bent[curved:], run.start
+            more, others = accumulate_bent(
+                several, drift[run], noise[run], bow[run], span, far, level, rest, bent[curved:], run.start
             )
             straight, curved = straight + more, curved + others
         row += 1
@@ -56,12 +57,11 @@ def accumulate(
 
 
 @kernel
-def _accumulate(pixels: Any, drift: Any, noise: Any, span: Any, near: Any, first: Any) -> Any:
-    """Two loops, because the first is then vectorised."""
+def _accumulate(pixels: Any, drift: Any, noise: Any, span: Any, far: Any, near: Any, first: Any) -> Any:
+    """Two loops, because the first is then vectorised; far (n or more,) bool is worked on."""
     voltage, pending, held = pixels.voltage, pixels.pending, pixels.held
     above, below = pixels.above, pixels.below
     reach2 = np.float32(REACH * REACH)
-    far = np.empty(voltage.shape[0], np.bool_)
     for i in range(voltage.shape[0]):
         start = voltage[i]
         end = start + drift[i]
@@ -78,15 +78,15 @@ def _accumulate(pixels: Any, drift: Any, noise: Any, span: Any, near: Any, first
 
 
 @kernel
-def _accumulate_bent(
-    pixels: Any, drift: Any, noise: Any, bow: Any, span: Any, near: Any, bent: Any, first: Any
-) -> Any:
+def accumulate_bent(
+    pixels: Any, drift: Any, noise: Any, bow: Any, span: Any, far: Any, straight: Any, near: Any, bent: Any,
+    first: Any,
+) -> Any:  # fmt: skip
     """The same where mean paths may be bent: such a path goes no further beyond its ends than its bow."""
     voltage, pending, held = pixels.voltage, pixels.pending, pixels.held
     above, below = pixels.above, pixels.below
     reach2, nothing = np.float32(REACH * REACH), np.float32(0)
     tolerance, share = straightness(span)
-    far, straight = np.empty(voltage.shape[0], np.bool_), np.empty(voltage.shape[0], np.bool_)
     for i in range(voltage.shape[0]):
         start, aside = voltage[i], bow[i]
         end = start + drift[i]

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from .bends import MOST_PIECES
 from .crossing_rounds import draw_crossings
 from .event_key import event_address
 from .first_passage import stays_inside
@@ -60,12 +61,18 @@ class Space(NamedTuple):
 
     touching: Any
     """(BLOCK + 1,) int32: which paths may touch a threshold."""
+    again: Any
+    """(BLOCK + 1,) int32: and which may once more."""
+    marks: Any
+    """(BLOCK,) bool."""
     scratch: Any
     """(12, BLOCK) float64."""
     small: Any
-    """(2, BLOCK) float32."""
+    """(BLOCK,) float32."""
     cuts: Any
     """(2, DEEPEST + 1) float64, see `single_path.follow`."""
+    starts: Any
+    """(MOST_PIECES + 1,) int64."""
 
 
 @kernel
@@ -82,8 +89,9 @@ def fresh_paths() -> Any:
 def fresh_space() -> Any:
     """Space to work on a block."""
     return Space(
-        np.empty(BLOCK + 1, np.int32), np.empty((12, BLOCK)), np.empty((2, BLOCK), np.float32),
-        np.empty((2, DEEPEST + 1)),
+        np.empty(BLOCK + 1, np.int32), np.empty(BLOCK + 1, np.int32), np.empty(BLOCK, np.bool_),
+        np.empty((12, BLOCK)), np.empty(BLOCK, np.float32), np.empty((2, DEEPEST + 1)),
+        np.empty(MOST_PIECES + 1, np.int64),
     )  # fmt: skip
 
 
@@ -113,13 +121,13 @@ def cross_block(
     sequences(key, step.first_pixel, paths.numbers, paths.states)
     normals(paths.states, paths.start, paths.end)
     draw_ends(pixels, paths, careful, space.scratch)
-    touches = find_touching(paths, space.touching)
+    touches = find_touching(paths, space.marks, space.touching)
     if len(kicks.sizes) > 0:
         touches = leave_out_kicked(touches, kicks.slack, paths.numbers, space.touching)
         written = follow_all_kicked(paths, step, reset, kicks, space.cuts, keys, written)
     if written >= 0:
         touching = space.touching[:touches]
-        written = draw_crossings(touching, paths, step, reset, space.scratch, space.cuts, keys, written)
+        written = draw_crossings(touching, paths, step, reset, space, keys, written)
     if written < 0:
         return -1
     for k in range(places.shape[0]):
@@ -161,7 +169,8 @@ def draw_ends(pixels: Any, paths: Any, careful: Any, scratch: Any) -> None:
             left[k] = max(left[k] - free[k], 0.0)
             free[k] += begin[k]
     else:
-        free[:] = begin
+        for k in range(n):
+            free[k] = begin[k]
     for k in range(n):
         x = voltage[k] + math.sqrt(pending[k]) * start[k]
         start[k] = min(max(x, -b[k]), a[k])  # beyond by rounding, a kick, or where a threshold was lowered
@@ -178,11 +187,13 @@ def gather(plane: Any, places: Any, column: Any) -> None:
 
 
 @kernel
-def find_touching(paths: Any, touching: Any) -> Any:
-    """Fill touching with the places of the paths that may touch a threshold; returns their number."""
+def find_touching(paths: Any, inside: Any, touching: Any) -> Any:
+    """Fill touching with the places of the paths that may touch a threshold; returns their number.
+
+    inside (n or more,) bool: is worked on.
+    """
     start, end, a, b = paths.start, paths.end, paths.above, paths.below
     noise2, left, count = paths.noise2, paths.left_us, paths.places.shape[0]
-    inside = np.empty(count, np.bool_)
     for k in range(count):
         inside[k] = stays_inside(start[k], end[k], a[k], b[k], noise2[k] * left[k])
     found = 0

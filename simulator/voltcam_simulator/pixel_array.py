@@ -7,12 +7,13 @@ from concurrent.futures import ThreadPoolExecutor, wait
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .band_state import BandState
 from .band_step import BandStepper
 from .effect import Band, Effect, Image, Plane, State, overrides
 from .fixed_pattern import FixedPattern, lay_down
+from .frames import host_image
 from .groups import Motion, Pixels
 from .kicks import no_kicks
 from .law import Law
@@ -101,7 +102,7 @@ class PixelArray:
             self.light[place], light, response, drift, noise, bow, rate,
             leak=None if sensor.leak is None else sensor.leak.ravel()[place],
             planes={
-                name: {k: a[place] if is_plane(a, self.voltage) else a for k, a in state.items()}
+                name: {k: a[..., place] if is_plane(a, self.voltage) else a for k, a in state.items()}
                 for name, state in self.state.items()
             },
         )  # fmt: skip
@@ -156,9 +157,18 @@ class PixelArray:
             state.update({name: np.array(saved[f"state/{effect}/{name}"]) for name in state})
         self._divide()
 
+    def image(self, frame: ArrayLike) -> Image:
+        """A frame as an own (height, width) array, uint8 or float32. Raises ValueError."""
+        return host_image(frame, self.height, self.width)
+
+    def host_image(self, image: Image) -> Image:
+        """An own copy of such an array."""
+        return image.copy()
+
     def settle(self, image: Image, t_us: int) -> None:
         """Show an image as if it had been there for long: light and response of that instant, no events."""
         self._still.wake_all(self._bands)
+        image = image.ravel()
         for state in self._bands:
             band = self._stepper.see(state, image, t_us, 0.0, self._elapsed_us)
             state.light[:], state.response[:] = band.light, band.response
@@ -187,28 +197,29 @@ class PixelArray:
             self._still.look(before, after, span_us)
 
     def step(
-        self, image: Image, start_us: int, offset_us: float, span_us: float,
+        self, before: Image, after: Image, share: float, start_us: int, offset_us: float, span_us: float,
         meanwhile: Callable[[], None] = nothing,
     ) -> None:  # fmt: skip
-        """From the last instant to the next, at which the sensor sees `image` (pixels,) DN.
+        """From the last instant to the next, at which the sensor is that share of the way between two images.
 
         The step starts offset_us after start_us, from which its events are timed. meanwhile: what this
         thread does before it joins the others.
         """
         self.limits.hurry()
+        image = between(before, after, share).ravel()
         key = interval_key(self.seed, CROSSINGS, self._steps)
         waiting = deque(self._bands)
 
-        def share(workspace: Workspace) -> None:
+        def work(workspace: Workspace) -> None:
             workspace.most_keys, workspace.limits = self.limits.most_events, self.limits
             while state := _next(waiting):
                 state.work_in(workspace)
                 self._step(state, image, key, start_us, offset_us, span_us)
 
-        others = [self._pool.submit(share, workspace) for workspace in self._workspaces[1:]]
+        others = [self._pool.submit(work, workspace) for workspace in self._workspaces[1:]]
         try:
             meanwhile()
-            share(self._workspaces[0])
+            work(self._workspaces[0])
         finally:
             wait(others)
         for other in others:
@@ -237,6 +248,15 @@ class PixelArray:
         taken = [workspace.take_keys() for workspace in self._workspaces]
         self.limits.admit(sum(map(len, taken)))
         return taken[0] if len(taken) == 1 else np.concatenate(taken)
+
+    def host_keys(self, keys: Keys) -> Keys:
+        """Keys on the host."""
+        return keys
+
+    def in_order(self, keys: Keys, span_us: int) -> Keys:
+        """Keys of an interval of span_us, sorted."""
+        keys.sort()
+        return keys
 
     def abandon(self) -> None:
         """Leave the interval under way: its events are forgotten, each voltage is what it has come to."""
@@ -268,6 +288,14 @@ def _next(waiting: deque[BandState]) -> BandState | None:
         return None
 
 
+def between(before: Image, after: Image, share: float) -> Image:
+    """What is that share of the way between two images."""
+    if share >= 1:
+        return after
+    part = np.float32(share)
+    return ((1 - part) * before + part * after).astype(np.float32, copy=False)
+
+
 def is_plane(array: NDArray[np.generic], voltage: Plane) -> bool:
-    """True for a state that has a number for each pixel."""
-    return array.dtype == np.float32 and array.shape == voltage.shape
+    """True for a state that has a number, or several, for each pixel."""
+    return array.dtype == np.float32 and array.shape[-1:] == voltage.shape

@@ -10,13 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 from .camera_file import SIDE_LIMIT
 from .effect import EVENT, Events, Image, Plane
 from .event_key import TIME_BITS, unpack
-from .event_stages import EventStages
+from .event_stages import NO_PLANE, EventStages
 from .fixed_pattern import FixedPattern
-from .kernel import kernel
 from .law import Law
 from .limits import GivenUpError, Limits
 from .parameters import Parameters
-from .pixel_array import PixelArray, nothing
+from .pixel_array import nothing
+from .sensor_pixels import Device, device_events, sensor_pixels
 from .workspace import Keys
 
 NO_LIMITS = Limits()
@@ -42,9 +42,10 @@ class Simulator:
       all that follows; voltages are kept.
     - `law`: "exact", Brownian motion itself, or "paper", Algorithm 1 as published.
     - `seed`: 0 to 2^63 - 1. The same seed and frames give the same events, for any number of threads.
-    - `threads`: that work on an interval.
+    - `threads`: that work on an interval, on a processor.
+    - `device`: "cpu", or "cuda": a GPU, with the extra `cuda`.
 
-    Raises ValueError for a size, law or seed that cannot be.
+    Raises ValueError for a size, law, seed or device that cannot be, NoDeviceError where there is no GPU.
     """
 
     def __init__(
@@ -55,6 +56,7 @@ class Simulator:
         law: Law = "exact",
         seed: int = 0,
         threads: int = 1,
+        device: Device = "cpu",
     ) -> None:
         if not (1 <= width <= SIDE_LIMIT and 1 <= height <= SIDE_LIMIT):
             raise ValueError(
@@ -65,8 +67,9 @@ class Simulator:
         if not 0 <= seed < 2**63:
             raise ValueError(f"seed {seed} is out of range: give 0 to 2^63 - 1")
         self.width, self.height, self.law, self.seed = width, height, law, seed
-        self._threads = threads
-        self._pixels = PixelArray(width, height, law, seed, threads)
+        self._threads = threads if device == "cpu" else 1
+        self.device = device
+        self._pixels = sensor_pixels(device, width, height, law, seed, threads)
         self._frame: Image | None = None
         self._t_us = 0
         self._intervals = 0
@@ -113,23 +116,41 @@ class Simulator:
         self._stages.configure(parameters)
         self._parameters = parameters
         if self._frame is not None:  # the same light gives another voltage now: that is no change of light
-            self._pixels.settle(self._frame.ravel(), self._t_us)
+            self._pixels.settle(self._frame, self._t_us)
 
     def advance(self, frame: ArrayLike, t_us: int, limits: Limits = NO_LIMITS) -> Events:
         """The events between the last frame and this one, sorted by time.
 
         frame: (height, width) grey levels, 0..255 DN unless the parameters say otherwise; any real dtype.
+        On "cuda" also an array on the device, of a library that has `__cuda_array_interface__` or DLPack.
         t_us: its time, int microseconds, later than the last one. The first frame gives no events.
         Returns an array of dtype EVENT. Raises ValueError, with nothing changed, for a wrong shape, values
         that are negative or not finite, or a time that does not advance; and GivenUpError beyond the limits,
         with the sensor somewhere on the way to the frame: `jump` to a frame to go on.
         """
-        image = self._checked(frame)
+        events = self._advanced(frame, t_us, limits, self._reported)
+        return np.empty(0, EVENT) if events is None else events
+
+    def advance_on_device(self, frame: Any, t_us: int, limits: Limits = NO_LIMITS) -> Any:
+        """The same as `advance`, its events left on the GPU: `cuda.events.DeviceEvents`.
+
+        Effects that act on events (latency, readout, ...) work on the host: where one is on, events go there
+        and back. Raises ValueError on "cpu".
+        """
+        if self.device == "cpu":
+            raise ValueError("device cpu has its events on the host: call advance")
+        from .cuda.events import left_there
+
+        return left_there(self._advanced(frame, t_us, limits, self._reported_on_device))
+
+    def _advanced(self, frame: Any, t_us: int, limits: Limits, reported: Callable[[Drawn], Any]) -> Any:
+        """What is reported of the interval up to a frame, None for the first."""
+        image = self._pixels.image(frame)
         if self._frame is None:
-            self.jump(image, t_us)
-            return np.empty(0, EVENT)
+            self._jumped(image, t_us)
+            return None
         try:
-            events = self._reported(self._drawn(image, t_us, limits))
+            events = reported(self._drawn(image, t_us, limits))
         except GivenUpError:
             self._pixels.abandon()
             raise
@@ -160,7 +181,7 @@ class Simulator:
                 if self._frame is None:
                     yield self.advance(frame, t_us)
                     continue
-                image = self._checked(frame)
+                image = self._pixels.image(frame)
                 drawn = self._drawn(image, t_us, NO_LIMITS, report)
                 self._reached(image, t_us)
                 behind.append(drawn)
@@ -186,17 +207,29 @@ class Simulator:
             raise ValueError(f"{span_us / 3.6e9:.0f} hours between two frames: at most 38 are possible")
         self._pixels.limits = limits
         self._pixels.look(self._frame, image, float(span_us))
-        self._steps(self._frame.ravel(), image.ravel(), span_us, limits.coarser, meanwhile)
-        light = self._pixels.light if self._threads == 1 else self._pixels.light.copy()
+        self._steps(self._frame, image, span_us, limits.coarser, meanwhile)
+        light = self._pixels.light if self._stages.see_light else NO_PLANE
+        if self._threads > 1:
+            light = light.copy()
         return Drawn(self._pixels.take_keys(), self._t_us, t_us, self._intervals, light)
 
     def _reported(self, drawn: Drawn) -> Events:
         """The events of an interval that leave the camera. Raises GivenUpError."""
-        keys, start_us = drawn.keys, drawn.start_us
-        keys.sort()
+        start_us = drawn.start_us
+        keys = self._pixels.host_keys(self._in_order(drawn))
         events = np.empty(keys.size, EVENT)
         unpack(keys, start_us, events["t"], events["x"], events["y"], events["p"])
         return self._stages.passed(events, start_us, drawn.end_us, drawn.interval, drawn.light)
+
+    def _reported_on_device(self, drawn: Drawn) -> Any:
+        """The same on the GPU, or on the host behind effects that act on events."""
+        if not self._stages.idle:
+            return self._reported(drawn)
+        self._stages.pass_by(drawn.end_us)
+        return device_events(self._in_order(drawn), drawn.start_us)
+
+    def _in_order(self, drawn: Drawn) -> Any:
+        return self._pixels.in_order(drawn.keys, drawn.end_us - drawn.start_us)
 
     def _reached(self, image: Image, t_us: int) -> None:
         self._frame, self._t_us = image, t_us
@@ -208,9 +241,11 @@ class Simulator:
         A new time line begins: events of the old one that are still on their way are lost. Where it goes on
         forward, no event is stamped before those of the old one.
         """
-        image = self._checked(frame)
+        self._jumped(self._pixels.image(frame), t_us)
+
+    def _jumped(self, image: Image, t_us: int) -> None:
         first = self._frame is None
-        self._pixels.settle(image.ravel(), t_us)
+        self._pixels.settle(image, t_us)
         if first:
             self._pixels.start(t_us)
         self._stages.restart(t_us, goes_on=t_us >= self._t_us and not first)
@@ -227,7 +262,7 @@ class Simulator:
         stages = self._stages
         return {
             **self._pixels.snapshot(),
-            "frame": self._frame.copy(),
+            "frame": self._pixels.host_image(self._frame),
             "times_us": np.array([self._t_us, stages.read_us, stages.complete_us, self._intervals], np.int64),
             **{f"waiting/{effect}": events.copy() for effect, events in stages.waiting.items()},
         }
@@ -235,7 +270,7 @@ class Simulator:
     def restore(self, saved: Mapping[str, NDArray[Any]]) -> None:
         """Go on as the simulator that a `snapshot` was taken of. Raises KeyError or ValueError for others."""
         self._pixels.restore(saved)
-        self._frame = self._checked(saved["frame"])
+        self._frame = self._pixels.image(saved["frame"])
         self._t_us, read_us, complete_us, self._intervals = saved["times_us"].tolist()
         self._stages.read_us, self._stages.complete_us = read_us, complete_us
         begin = "waiting/"
@@ -251,34 +286,6 @@ class Simulator:
         start = 0
         for step in range(1, steps + 1):
             end = span_us * step // steps  # whole microseconds, so that effects agree on where steps meet
-            image = after  # of a step that ends earlier, on the straight line to it
-            if step < steps:
-                share = np.float32(end / span_us)
-                image = ((1 - share) * before + share * after).astype(np.float32, copy=False)
-            self._pixels.step(image, self._t_us, float(start), float(end - start), meanwhile)
+            share = end / span_us if step < steps else 1.0
+            self._pixels.step(before, after, share, self._t_us, float(start), float(end - start), meanwhile)
             start, meanwhile = end, nothing
-
-    def _checked(self, frame: ArrayLike) -> Image:
-        """The frame as an own (height, width) array, uint8 or float32."""
-        image = np.asarray(frame)
-        if image.shape != (self.height, self.width):
-            raise ValueError(
-                f"the frame is {image.shape}, the sensor (height, width) = {(self.height, self.width)}"
-            )
-        if image.dtype == np.uint8:
-            return image.copy(order="C")
-        if image.dtype.kind not in "buif":
-            raise ValueError(f"the frame is of type {image.dtype}: give real numbers")
-        plane = image.astype(np.float32, order="C")
-        if not _is_light(plane.ravel()):
-            raise ValueError("the frame has values that are negative or not finite: grey levels start at 0")
-        return plane
-
-
-@kernel
-def _is_light(plane: Any) -> Any:
-    """Whether all values (n,) are finite and none is negative; nan is neither."""
-    sound = True
-    for i in range(plane.shape[0]):
-        sound &= (plane[i] >= 0) & (plane[i] < np.inf)
-    return sound

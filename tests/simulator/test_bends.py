@@ -45,7 +45,7 @@ def knots_of(bow: float, drift: float, rate: float, span_us: float) -> tuple[Flo
     shares, lines = [0.0], [0.0]
     for number in range(1, most + 1):
         share, line = np.empty((2, 1), np.float32)
-        find_knots(number, pieces, rates, q, share, line, np.empty((2, 1), np.float32))
+        find_knots(number, pieces, rates, q, share, line, np.empty(1, np.float32))
         shares.append(float(share[0]))
         lines.append(float(line[0]) * bow)
     return np.array(shares), np.array(lines)
@@ -91,7 +91,7 @@ def test_paths_of_a_block_have_their_own_pieces() -> None:
     assert count_pieces(bow, np.zeros(2, np.float32), rate, q, 33_000.0, pieces) == 3
     assert pieces.tolist() == [1, 3]
     share, line = np.empty((2, 2), np.float32)
-    find_knots(1, pieces, rate, q, share, line, np.empty((2, 2), np.float32))
+    find_knots(1, pieces, rate, q, share, line, np.empty(2, np.float32))
     assert share[0] == 1
     assert 0 < share[1] < 1 / 3  # dense where the path is bent most
     assert line[1] > 0.5

@@ -91,7 +91,7 @@ def test_who_goes_on_is_who_may_touch_a_threshold_in_the_time_left() -> None:
     ones = np.ones(n)
     paths = Unfinished(np.zeros(n, np.uint64), x, y, ones, ones, 1e-3 * ones, left, ones, ones)
     places = np.empty(n + 1, np.int64)
-    count = find_unfinished(paths, places)
+    count = find_unfinished(paths, np.empty(places.size, np.bool_), places)
     expected = [i for i in range(n) if left[i] > 0 and not stays_inside(x[i], y[i], 1.0, 1.0, 1e-3 * left[i])]
     assert 0 < count < n
     assert places[:count].tolist() == expected

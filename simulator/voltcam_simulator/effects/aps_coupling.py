@@ -98,7 +98,7 @@ class ApsCoupling(Effect):
         """Kicks of one frame: (time for each row of the band [ns from the frame's start], size)."""
         sensor, row = band.sensor, round(self.row_us * NS_PER_US)
         line = round(self.line_us * NS_PER_US) or row
-        rows = np.arange(band.light.size // sensor.width, dtype=np.int64)
+        rows = np.arange(band.place.rows, dtype=np.int64)
         scan = (band.first_row + rows) * row
         times = self.times(sensor.height)
         exposed, read = np.full_like(scan, times.exposed_ns), np.full_like(scan, times.read_ns)

@@ -7,7 +7,7 @@ from pydantic import Field
 
 from ..effect import About, Band, Effect, quantity
 from ..kernel import kernel
-from ..logarithm import add_logarithm
+from ..logarithm import logarithm
 
 
 class ContrastResponse(Effect):
@@ -39,18 +39,19 @@ class ContrastResponse(Effect):
 
     def respond(self, band: Band) -> None:
         if self.response == "logarithmic":
-            add_logarithmic(band.light, np.float32(self.k1), np.float32(self.k2_dn), band.response)
+            k1, k2 = np.float32(self.k1), np.float32(self.k2_dn)
+            band.apply(add_logarithmic, band.light, k1, k2, band.response)
 
     def drift(self, band: Band) -> None:
         if self.response == "linearised":
             k1, k2 = np.float32(self.k1), np.float32(self.k2_dn)
-            add_linearised(band.light_before, band.light, k1, k2, band.drift)
+            band.apply(add_linearised, band.light_before, band.light, k1, k2, band.drift)
 
 
 @kernel
 def add_logarithmic(light: Any, k1: Any, k2: Any, response: Any) -> None:
-    raised = light + k2
-    add_logarithm(raised, k1, response)
+    for i in range(light.shape[0]):
+        response[i] += k1 * logarithm(light[i] + k2)
 
 
 @kernel

@@ -5,6 +5,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..effect import About, Band, Effect, quantity
+from ..plane_kernels import add
 from .junction_leak import REFERENCE_C
 
 
@@ -34,4 +35,5 @@ class DarkCurrent(Effect):
         return self.dark_dn > 0
 
     def see(self, band: Band) -> None:
-        band.light += np.float32(self.dark_dn * 2 ** ((band.temperature_c - REFERENCE_C) / self.doubling_c))
+        doublings = (band.temperature_c - REFERENCE_C) / self.doubling_c
+        band.apply(add, band.light, np.float32(self.dark_dn * 2**doublings))

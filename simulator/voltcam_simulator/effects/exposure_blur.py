@@ -1,11 +1,12 @@
 """A video frame is the mean of the light while it was exposed."""
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..effect import About, Band, Effect, Sensor, State, quantity
+from ..kernel import kernel
 
 SHORTEST_US = 1.0  # times are whole microseconds: a shorter mean is that of no time
 KNOTS = 32
@@ -36,8 +37,8 @@ class ExposureBlur(Effect):
         return self.exposure_us >= SHORTEST_US
 
     def state(self, sensor: Sensor) -> State:
-        lights = {f"light_{k}": np.zeros(sensor.width * sensor.height, np.float32) for k in range(KNOTS)}
-        return {"times_us": np.full(KNOTS, -np.inf), **lights}
+        lights = np.zeros((KNOTS, sensor.width * sensor.height), np.float32)
+        return {"times_us": np.full(KNOTS, -np.inf), "lights": lights}
 
     def see(self, band: Band) -> None:
         own = band.planes[self.name]
@@ -45,16 +46,34 @@ class ExposureBlur(Effect):
         if band.span_us == 0:  # the image has been there for long
             times_us[:] = -np.inf
             times_us[0] = band.end_us
-            own["light_0"][:] = band.light
+            band.apply(keep, band.light, 0, own["lights"])
             return
         begin_us = band.end_us - self.exposure_us
-        own[f"light_{place(times_us, begin_us, band.end_us)}"][:] = band.light
-        band.light[:] = 0
+        now = place(times_us, begin_us, band.end_us)
         known = np.flatnonzero(times_us > -np.inf)
         known = known[np.argsort(times_us[known])]
-        for k, weight in zip(known, weights(times_us[known], begin_us), strict=True):
-            if weight != 0:
-                band.light += np.float32(weight) * own[f"light_{k}"]
+        weight = weights(times_us[known], begin_us)
+        counts = weight != 0
+        band.apply(keep, band.light, now, own["lights"])
+        band.apply(average, own["lights"], known[counts], weight[counts].astype(np.float32), band.light)
+
+
+@kernel
+def keep(light: Any, index: Any, lights: Any) -> None:
+    """Row `index` of lights becomes the light."""
+    for i in range(light.shape[0]):
+        lights[index, i] = light[i]
+
+
+@kernel
+def average(lights: Any, rows: Any, weight: Any, light: Any) -> None:
+    """The light becomes the sum of some rows of lights, weighted."""
+    for i in range(light.shape[0]):
+        light[i] = 0
+    for k in range(rows.shape[0]):
+        row = lights[rows[k]]
+        for i in range(light.shape[0]):
+            light[i] += weight[k] * row[i]
 
 
 def place(times_us: NDArray[np.float64], begin_us: float, end_us: float) -> int:

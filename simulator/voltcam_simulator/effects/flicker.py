@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..effect import About, Band, Effect, quantity
+from ..plane_kernels import scale
 
 STEPS_PER_PERIOD = 16
 """A straight line over a step misses the sine by at most (pi/16)^2/2, that is 2 %, of its amplitude."""
@@ -45,4 +46,5 @@ class Flicker(Effect):
     def see(self, band: Band) -> None:
         period_us = 1e6 / self.frequency_hz
         phase = math.fmod(band.end_us, period_us) / period_us  # exact, at any distance from zero
-        band.light *= np.float32(1 + self.depth * math.sin(2 * math.pi * (phase + self.phase_turns)))
+        factor = 1 + self.depth * math.sin(2 * math.pi * (phase + self.phase_turns))
+        band.apply(scale, band.light, np.float32(factor))

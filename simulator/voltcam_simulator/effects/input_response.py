@@ -5,9 +5,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..effect import About, Band, Effect, quantity
-from ..exponential import exponential
+from ..exponential import power_of_e
 from ..kernel import kernel
-from ..logarithm import add_logarithm
+from ..logarithm import logarithm
 
 _WHITE = 255.0
 
@@ -34,15 +34,12 @@ class InputResponse(Effect):
 
     def see(self, band: Band) -> None:
         gain = 1 / (_WHITE - self.black_level_dn)
-        decode(band.light, np.float32(self.black_level_dn), np.float32(gain), np.float32(self.gamma_exponent))
+        black, gamma = np.float32(self.black_level_dn), np.float32(self.gamma_exponent)
+        band.apply(decode, band.light, black, np.float32(gain), gamma)
 
 
 @kernel
 def decode(light: Any, black: Any, gain: Any, gamma: Any) -> None:
-    power = np.zeros_like(light)
     for i in range(light.shape[0]):
-        light[i] = max((light[i] - black) * gain, np.float32(1e-30))  # has a logarithm
-    add_logarithm(light, gamma, power)
-    exponential(power)
-    for i in range(light.shape[0]):
-        light[i] = np.float32(_WHITE) * power[i]
+        share = max((light[i] - black) * gain, np.float32(1e-30))  # has a logarithm
+        light[i] = np.float32(_WHITE) * power_of_e(gamma * logarithm(share))

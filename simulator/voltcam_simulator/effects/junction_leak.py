@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..effect import About, Band, Effect, quantity
+from ..plane_kernels import add, add_product
 
 BOLTZMANN_EV_PER_K = 8.617333262e-5
 ZERO_C_IN_K = 273.15
@@ -42,4 +43,7 @@ class JunctionLeak(Effect):
     def drift(self, band: Band) -> None:
         rate = self.k4_per_us * arrhenius(band.temperature_c, self.activation_energy_ev)
         voltage = np.float32(rate * band.span_us)
-        band.drift += voltage if band.leak is None else voltage * band.leak
+        if band.leak is None:
+            band.apply(add, band.drift, voltage)
+        else:
+            band.apply(add_product, band.drift, voltage, band.leak)

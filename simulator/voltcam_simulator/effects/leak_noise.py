@@ -5,6 +5,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..effect import About, Band, Effect, quantity
+from ..plane_kernels import add
 
 
 class LeakNoise(Effect):
@@ -24,4 +25,4 @@ class LeakNoise(Effect):
         return self.k6 > 0
 
     def drift(self, band: Band) -> None:
-        band.noise += np.float32(self.k6)
+        band.apply(add, band.noise, np.float32(self.k6))

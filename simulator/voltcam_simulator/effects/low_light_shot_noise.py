@@ -38,7 +38,7 @@ class LowLightShotNoise(Effect):
 
     def drift(self, band: Band) -> None:
         c, dark = np.float32(self.c), np.float32(self.dark_dn)
-        add_shot_noise(band.light_before, band.light, c, dark, band.independent_noise())
+        band.apply(add_shot_noise, band.light_before, band.light, c, dark, band.independent_noise())
 
 
 @kernel

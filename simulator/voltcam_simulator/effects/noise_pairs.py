@@ -22,6 +22,8 @@ class NoisePairs(Effect):
     signature: ClassVar[str] = "short ON-OFF and OFF-ON intervals of one pixel at rest, most in the dark"
     steady: ClassVar[bool] = True
 
+    sees_light: ClassVar[bool] = True
+
     rate_hz: float = quantity(
         0.0, unit="Hz", ge=0, le=10_000, meaning="pairs a second and pixel in the dark; 0 is off",
         source="4 in the dark: 5.0 ON and 3.7 OFF Hz at 0.1 lux (IEBCS, Joubert et al. 2021)",

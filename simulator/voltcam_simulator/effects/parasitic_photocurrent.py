@@ -26,7 +26,7 @@ class ParasiticPhotocurrent(Effect):
 
     def drift(self, band: Band) -> None:
         half = np.float32(0.5 * self.k5_per_dn_us * band.span_us)
-        add_in_proportion(band.light_before, band.light, half, band.drift)
+        band.apply(add_in_proportion, band.light_before, band.light, half, band.drift)
 
 
 @kernel

@@ -27,7 +27,7 @@ class PhotonNoise(Effect):
 
     def drift(self, band: Band) -> None:
         k2 = np.float32(band.sensor.dark_level_dn)
-        add_photon_noise(band.light_before, band.light, np.float32(self.k3), k2, band.noise)
+        band.apply(add_photon_noise, band.light_before, band.light, np.float32(self.k3), k2, band.noise)
 
 
 @kernel

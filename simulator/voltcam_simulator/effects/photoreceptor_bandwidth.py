@@ -8,6 +8,7 @@ import numpy as np
 from ..bends import depth, fading
 from ..effect import About, Band, Effect, Sensor, State, quantity
 from ..kernel import kernel
+from ..plane_kernels import copy
 
 
 class PhotoreceptorBandwidth(Effect):
@@ -55,17 +56,20 @@ class PhotoreceptorBandwidth(Effect):
         input_, photoreceptor, follower = (own[name] for name in ("input", "photoreceptor", "follower"))
         if band.span_us == 0:  # the image has been there for long
             for plane in (input_, photoreceptor, follower):
-                plane[:] = band.response
+                band.apply(copy, band.response, plane)
             return
         radians = 2e-6 * math.pi * band.span_us
         per_dn = np.float32(radians * self.cutoff_hz / (self.reference_dn + self.dark_dn))
-        before = (input_.copy(), photoreceptor.copy()) if self.follower_hz > 0 else (input_, photoreceptor)
-        low_pass(
-            band.light_before, band.light, np.float32(self.dark_dn), per_dn, input_, photoreceptor,
+        before = [band.copied(plane) for plane in (input_, photoreceptor)] if self.follower_hz > 0 else []
+        band.apply(
+            low_pass, band.light_before, band.light, np.float32(self.dark_dn), per_dn, input_, photoreceptor,
             band.response, band.bow, band.rate,
         )  # fmt: skip
         if self.follower_hz > 0:
-            follow(*before, input_, radians * self.follower_hz, follower, band.response, band.bow, band.rate)
+            band.apply(
+                follow, *before, input_, radians * self.follower_hz, follower, band.response, band.bow,
+                band.rate,
+            )  # fmt: skip
         band.is_bent = True
 
 
@@ -79,7 +83,7 @@ of its way, at most."""
 def mean_rate(a0: Any, a1: Any) -> Any:
     """Of a rate that goes from a0 to a1 as a power: their logarithmic mean, to 1 % if one is eleven times the
     other (Simpson's rule)."""
-    return (_4 * np.sqrt(a0 * a1) + a0 + a1) * _1_6TH
+    return (_4 * math.sqrt(a0 * a1) + a0 + a1) * _1_6TH
 
 
 @kernel

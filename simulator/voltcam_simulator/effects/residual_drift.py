@@ -5,9 +5,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..effect import About, Band, Effect, quantity
-from ..exponential import exponential
+from ..exponential import power_of_e
 from ..kernel import kernel
-from ..logarithm import add_logarithm
+from ..logarithm import logarithm
 
 REFERENCE_DN = 128.0
 
@@ -49,34 +49,29 @@ class ResidualDrift(Effect):
 
     def drift(self, band: Band) -> None:
         sensor = band.sensor
-        place = (band.first_row, sensor.width, sensor.height)
-        add_power(
-            band.light_before, band.light, self.per_us * band.span_us, self.power, self.dark_dn,
-            self.across, self.down, *place, band.drift,
+        band.apply(
+            add_power, band.light_before, band.light, self.per_us * band.span_us, self.power, self.dark_dn,
+            self.across, self.down, band.place, sensor.width, sensor.height, band.drift,
         )  # fmt: skip
 
 
 @kernel
 def add_power(
-    first: Any, last: Any, size: Any, power: Any, dark: Any, across: Any, down: Any, first_row: Any,
+    first: Any, last: Any, size: Any, power: Any, dark: Any, across: Any, down: Any, place: Any,
     width: Any, height: Any, drift: Any,
 ) -> None:  # fmt: skip
-    level = powered(first, last, power, dark)
-    for row in range(drift.shape[0] // width):
-        v = 2.0 * (first_row + row) / max(height - 1, 1) - 1
-        for column in range(width):
-            u = 2.0 * column / max(width - 1, 1) - 1
-            i = row * width + column
-            drift[i] += np.float32(size * level[i] * (1 + across * u + down * v))
+    for row in range(place.rows):
+        v = 2.0 * (place.first_row + row) / max(height - 1, 1) - 1
+        for column in range(place.columns):
+            u = 2.0 * (place.first_column + column) / max(width - 1, 1) - 1
+            i = row * place.columns + column
+            level = powered(first[i], last[i], power, dark)
+            drift[i] += np.float32(size * level * (1 + across * u + down * v))
 
 
 @kernel
 def powered(first: Any, last: Any, power: Any, dark: Any) -> Any:
-    """(n,) float32: ((L + dark)/(128 + dark))^power, L the mean of first and last."""
-    level, half_scale = np.empty_like(first), np.float32(0.5 / (REFERENCE_DN + dark))
-    for i in range(first.shape[0]):
-        level[i] = (first[i] + last[i] + np.float32(2 * dark)) * half_scale
-    log = np.zeros_like(level)
-    add_logarithm(level, np.float32(power), log)
-    exponential(log)
-    return log
+    """Float32: ((L + dark)/(128 + dark))^power, L the mean of first and last."""
+    half_scale = np.float32(0.5 / (REFERENCE_DN + dark))
+    level = (first + last + np.float32(2 * dark)) * half_scale
+    return power_of_e(np.float32(power) * logarithm(level))

@@ -35,14 +35,13 @@ class ResidualNoise(Effect):
         return self.variance_per_us > 0
 
     def drift(self, band: Band) -> None:
-        add_power2(
-            band.light_before, band.light, self.variance_per_us, self.power, self.dark_dn,
+        band.apply(
+            add_power2, band.light_before, band.light, self.variance_per_us, self.power, self.dark_dn,
             band.independent_noise(),
         )  # fmt: skip
 
 
 @kernel
 def add_power2(first: Any, last: Any, size: Any, power: Any, dark: Any, noise2: Any) -> None:
-    level = powered(first, last, power, dark)
     for i in range(noise2.shape[0]):
-        noise2[i] += np.float32(size * level[i])
+        noise2[i] += np.float32(size * powered(first[i], last[i], power, dark))

@@ -30,16 +30,16 @@ class Vignetting(Effect):
         sensor = band.sensor
         corner2 = max(((sensor.width - 1) ** 2 + (sensor.height - 1) ** 2) / 4, 1)
         g = ((1 - self.corner_loss) ** -0.5 - 1) / corner2
-        top = band.first_row - (sensor.height - 1) / 2
-        darken(band.light, sensor.width, np.float32(top), np.float32((sensor.width - 1) / 2), np.float32(g))
+        middle_y, middle_x = np.float32((sensor.height - 1) / 2), np.float32((sensor.width - 1) / 2)
+        band.apply(darken, band.light, band.place, middle_y, middle_x, np.float32(g))
 
 
 @kernel
-def darken(light: Any, width: Any, top: Any, middle: Any, g: Any) -> None:
+def darken(light: Any, place: Any, middle_y: Any, middle_x: Any, g: Any) -> None:
     one = np.float32(1)
-    for row in range(light.shape[0] // width):
-        y = top + np.float32(row)
-        for column in range(width):
-            x = np.float32(column) - middle
+    for row in range(place.rows):
+        y = np.float32(place.first_row + row) - middle_y
+        for column in range(place.columns):
+            x = np.float32(place.first_column + column) - middle_x
             root = one + g * (x * x + y * y)
-            light[row * width + column] /= root * root
+            light[row * place.columns + column] /= root * root
