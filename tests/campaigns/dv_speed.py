@@ -16,7 +16,7 @@ import numpy as np
 
 from voltcam_client.dv.file import PACKET
 from voltcam_client.dv.packets import events_packet
-from voltcam_client.dv.streams import Stream, header_bytes
+from voltcam_client.dv.streams import DvStream, header_bytes
 from voltcam_client.packet import EVENT, Packet
 from voltcam_server.messages import events_message
 from voltcam_server.transports import DvTransport
@@ -81,7 +81,7 @@ def limit() -> float:
         def serve() -> None:
             connection, _ = listener.accept()
             with connection, contextlib.suppress(OSError):
-                connection.sendall(header_bytes([Stream(0, "EVTS", "A_1", (WIDTH, HEIGHT))]))
+                connection.sendall(header_bytes([DvStream(0, "EVTS", "A_1", (WIDTH, HEIGHT))]))
                 for _ in range(EVENTS // PACKET_EVENTS + 1):
                     connection.sendall(packet)
 

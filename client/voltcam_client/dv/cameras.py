@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from voltcam_client.dv.flatbuffer import PREFIX
-from voltcam_client.dv.streams import MOST_HEADER_BYTES, Stream, read_header
+from voltcam_client.dv.streams import MOST_HEADER_BYTES, DvStream, read_header
 from voltcam_client.errors import PacketError
 
 DEFAULT_ADDRESS = "127.0.0.1:7777"
@@ -17,19 +17,19 @@ CONNECT_S, ANSWER_S = 0.5, 5.0
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class FoundCamera:
     """A camera: its streams by kind, and the ports where they are."""
 
     host: str
     ports: dict[str, int]
-    stream: Stream
+    stream: DvStream
 
     @property
     def serial(self) -> str:
         return self.stream.source.partition("_")[2]
 
 
-def find(address: str) -> Iterator[Found]:
+def find(address: str) -> Iterator[FoundCamera]:
     """The cameras of the daemon at HOST:PORT: the first one's streams are there, further ones' behind."""
     host, _, first = address.rpartition(":")
     host = host.strip("[]")
@@ -42,10 +42,10 @@ def find(address: str) -> Iterator[Found]:
             other = _stream_at(host, port + offset)
             if other is not None and (other.kind, other.source) == (kind, stream.source):
                 ports[kind] = port + offset
-        yield Found(host, ports, stream)
+        yield FoundCamera(host, ports, stream)
 
 
-def _stream_at(host: str, port: int) -> Stream | None:
+def _stream_at(host: str, port: int) -> DvStream | None:
     """What its header says; None where nothing listens, or something else does."""
     try:
         with socket.create_connection((host, port), CONNECT_S) as connection:

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from types import ModuleType
 from typing import Any
 
-from voltcam_client.dv.cameras import Found, find
-from voltcam_client.dv.drop_in_camera import Camera, Descriptor, descriptor_of
+from voltcam_client.dv.cameras import FoundCamera, find
+from voltcam_client.dv.drop_in_camera import Descriptor, EmulatedCamera, descriptor_of
 from voltcam_client.errors import VoltcamError
 
 # What the arguments are called that say which camera.
@@ -23,20 +23,20 @@ def install(dv: ModuleType, addresses: Sequence[str], url: str) -> None:
     Raises VoltcamError where there are none.
     """
 
-    def cameras() -> list[Found]:
+    def cameras() -> list[FoundCamera]:
         return [found for address in addresses for found in find(address)]
 
     def discover() -> list[Descriptor]:
         return [descriptor_of(dv, found) for found in cameras()]
 
-    def open_camera(which: Any = None, *_: Any, **named: Any) -> Camera:
+    def open_camera(which: Any = None, *_: Any, **named: Any) -> EmulatedCamera:
         """By serial number, by name, by descriptor, or the first."""
         which = next((named[name] for name in WHICH if name in named), which)
         wanted = getattr(which, "serialNumber", which)
         found = cameras()
         for each in found:
             if not isinstance(wanted, str) or wanted in ("", each.serial, each.stream.source):
-                return Camera(dv, each, url)
+                return EmulatedCamera(dv, each, url)
         names = ", ".join(each.stream.source for each in found) or "none"
         raise RuntimeError(f"there is no camera {wanted or ''} at {', '.join(addresses)}, only {names}")
 
@@ -62,7 +62,7 @@ def _replace_davis(dv: ModuleType, open_camera: Any) -> None:
             return open_camera(*given, **options)
 
         def __instancecheck__(cls, instance: Any) -> bool:
-            return isinstance(instance, (Camera, real))
+            return isinstance(instance, (EmulatedCamera, real))
 
         def __getattr__(cls, name: str) -> Any:
             return getattr(real, name)
@@ -77,7 +77,7 @@ def _let_writers_take_cameras(dv: ModuleType) -> None:
 
     class MonoCameraWriter(real):  # type: ignore[misc, valid-type]
         def __init__(self, path: Any, source: Any, compression: Any = lz4) -> None:
-            if isinstance(source, Camera):
+            if isinstance(source, EmulatedCamera):
                 super().__init__(path, source.config(compression))
             else:
                 super().__init__(path, source)

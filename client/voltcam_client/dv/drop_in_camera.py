@@ -6,7 +6,7 @@ from types import ModuleType
 from typing import Any
 
 from voltcam_client.dv.biases import KNOBS, BiasControl
-from voltcam_client.dv.cameras import Found
+from voltcam_client.dv.cameras import FoundCamera
 
 # The MPU-6500 of a DAVIS346, and pixels of 18.5 um, as iniVation's data sheet has them.
 IMU_MODEL, PIXEL_PITCH_M = "IMU_INVENSENSE_6500_9250", 18.5e-6
@@ -25,14 +25,14 @@ class Descriptor:
     firmwareVersion: int = 0
 
 
-class Camera:
+class EmulatedCamera:
     """A camera of dv-processing, on the network streams of an emulator.
 
     Biases are set at the daemon. What else sets something up is kept, and told on standard error; it has no
     effect.
     """
 
-    def __init__(self, dv: ModuleType, found: Found, url: str) -> None:
+    def __init__(self, dv: ModuleType, found: FoundCamera, url: str) -> None:
         self._dv, self._found = dv, found
         self._biases = BiasControl(url, found.ports["EVTS"])
         self._readers = {kind: dv.io.NetworkReader(found.host, port) for kind, port in found.ports.items()}
@@ -151,5 +151,5 @@ class Camera:
         )
 
 
-def descriptor_of(dv: ModuleType, found: Found) -> Descriptor:
+def descriptor_of(dv: ModuleType, found: FoundCamera) -> Descriptor:
     return Descriptor(dv.io.camera.CameraModel.DAVIS, found.serial, dv.io.camera.USBDeviceType.FX3_MB)

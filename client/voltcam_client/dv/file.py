@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from voltcam_client.dv.flatbuffer import PREFIX, Table, TableVector
 from voltcam_client.dv.packets import RECORD, read_frame, read_imu, read_triggers
-from voltcam_client.dv.streams import NO_TABLE, Header, read_header
+from voltcam_client.dv.streams import NO_TABLE, DvHeader, read_header
 from voltcam_client.encodings import Buffer
 from voltcam_client.errors import PacketError
 
@@ -46,7 +46,7 @@ def mapped(path: Path) -> memoryview:
 
 
 @dataclass(frozen=True, slots=True)
-class Packet:
+class DvPacket:
     """A packet in a file. at: its place; data: its bytes; cut: whether the file ends in it."""
 
     stream: int
@@ -55,7 +55,7 @@ class Packet:
     cut: bool
 
 
-def file_header(data: Buffer) -> tuple[Header, int]:
+def file_header(data: Buffer) -> tuple[DvHeader, int]:
     """The header of a file, and where its packets begin. Raises PacketError."""
     if bytes(data[: len(MAGIC)]) != MAGIC or len(data) < len(MAGIC) + PREFIX.size:
         raise PacketError("it does not begin as an AEDAT4 file does")
@@ -64,7 +64,7 @@ def file_header(data: Buffer) -> tuple[Header, int]:
     return read_header(memoryview(data)[len(MAGIC) : end]), end
 
 
-def packets_of(data: Buffer, begin: int, table: int = NO_TABLE) -> Iterator[Packet]:
+def packets_of(data: Buffer, begin: int, table: int = NO_TABLE) -> Iterator[DvPacket]:
     """The packets of a file from `begin` up to its table, or to where a crash has cut it off."""
     view = memoryview(data)
     end = table if begin <= table <= len(view) else len(view)
@@ -74,7 +74,7 @@ def packets_of(data: Buffer, begin: int, table: int = NO_TABLE) -> Iterator[Pack
             return
         at = begin + PACKET.size
         begin = at + size
-        yield Packet(stream, at, view[at : min(begin, end)], cut=begin > end)
+        yield DvPacket(stream, at, view[at : min(begin, end)], cut=begin > end)
 
 
 def table_of(data: Buffer, begin: int, kinds: Mapping[int, str]) -> Iterator[bytes]:
@@ -85,7 +85,7 @@ def table_of(data: Buffer, begin: int, kinds: Mapping[int, str]) -> Iterator[byt
     return _TABLE.pieces(count, _entries(packets_of(data, begin), kinds))
 
 
-def _entries(packets: Iterator[Packet], kinds: Mapping[int, str]) -> Iterator[NDArray[np.void]]:
+def _entries(packets: Iterator[DvPacket], kinds: Mapping[int, str]) -> Iterator[NDArray[np.void]]:
     """The rows of a table, so many at a time."""
     while some := list(islice(packets, _ENTRIES)):
         entries = np.zeros(len(some), _ENTRY)

@@ -31,7 +31,7 @@ _STRING = _HEAD.size + _TABLE.size
 
 
 @dataclass(frozen=True, slots=True)
-class Stream:
+class DvStream:
     """One stream. kind: EVTS and so on; source: MODEL_SERIAL of its camera; size: width, height in pixels."""
 
     id: int
@@ -41,15 +41,15 @@ class Stream:
 
 
 @dataclass(frozen=True, slots=True)
-class Header:
+class DvHeader:
     """What an IOHE says. table: where a file's table is, or NO_TABLE."""
 
-    streams: tuple[Stream, ...]
+    streams: tuple[DvStream, ...]
     compression: int
     table: int
 
 
-def header_bytes(streams: Sequence[Stream], table: int = NO_TABLE, size: int = 0) -> bytes:
+def header_bytes(streams: Sequence[DvStream], table: int = NO_TABLE, size: int = 0) -> bytes:
     """An uncompressed stream's or file's size-prefixed header. size: fill it up to so many bytes."""
     xml = _xml(streams).encode()
     xml += b" " * max(0, size - _STRING - PREFIX.size - len(xml) - 1)
@@ -60,14 +60,14 @@ def header_bytes(streams: Sequence[Stream], table: int = NO_TABLE, size: int = 0
     return head + _TABLE.pack(0, 12 + gap, table) + bytes(gap) + text
 
 
-def read_header(data: Buffer) -> Header:
+def read_header(data: Buffer) -> DvHeader:
     """The size-prefixed header at the beginning of data. Raises PacketError for what is none."""
     table = Table.root(data, b"IOHE")
     text = table.vector(2, np.dtype("u1")).tobytes()
-    return Header(tuple(_streams(text)), table.number(0, "i"), table.number(1, "q"))
+    return DvHeader(tuple(_streams(text)), table.number(0, "i"), table.number(1, "q"))
 
 
-def _xml(streams: Sequence[Stream]) -> str:
+def _xml(streams: Sequence[DvStream]) -> str:
     """As dv-processing lays it out."""
     lines = ['<dv version="2.0">', '    <node name="outInfo" path="/outInfo/">']
     for stream in streams:
@@ -95,7 +95,7 @@ def _attribute(indent: int, key: str, kind: str, value: str) -> str:
     return f'{" " * indent}<attr key="{key}" type="{kind}">{escape(value)}</attr>'
 
 
-def _streams(text: bytes) -> list[Stream]:
+def _streams(text: bytes) -> list[DvStream]:
     if b"<!" in text or len(text) > MOST_HEADER_BYTES:  # a document type may name entities without end
         raise PacketError("the header is no list of streams: is it of iniVation's DV?")
     try:
@@ -110,10 +110,10 @@ def _streams(text: bytes) -> list[Stream]:
         raise PacketError("the header is no list of streams: is it of iniVation's DV?") from error
 
 
-def _stream(node: ElementTree.Element) -> Stream:
+def _stream(node: ElementTree.Element) -> DvStream:
     said = {each.get("key"): each.text or "" for each in node.iter("attr")}
     width, height = int(said.get("sizeX", 0)), int(said.get("sizeY", 0))
-    return Stream(
+    return DvStream(
         int(node.get("name", "")),
         said.get("typeIdentifier", ""),
         said.get("source", ""),

@@ -12,7 +12,7 @@ import numpy as np
 
 from voltcam_client.dv.file import file_header, mapped, packets_of
 from voltcam_client.dv.packets import DvFrame, read_events, read_frame
-from voltcam_client.dv.streams import Header, Stream
+from voltcam_client.dv.streams import DvHeader, DvStream
 from voltcam_client.encodings import EVENT, Buffer, Events
 from voltcam_client.errors import PacketError
 from voltcam_client.formats.bounds import fits
@@ -66,7 +66,7 @@ def _read(path: Path, data: Buffer) -> tuple[Events, list[DvFrame], tuple[int, i
     return np.concatenate(events), frames, of_events.size if of_events else None
 
 
-def _first(header: Header, kind: str) -> Stream | None:
+def _first(header: DvHeader, kind: str) -> DvStream | None:
     """The first camera's stream of a kind."""
     streams = [stream for stream in header.streams if stream.kind == kind]
     return min(streams, key=lambda stream: stream.id, default=None)

@@ -19,7 +19,7 @@ from voltcam_client.dv.packets import (
     imu_packet,
     triggers_packet,
 )
-from voltcam_client.dv.streams import NO_TABLE, Stream, camera_name, header_bytes
+from voltcam_client.dv.streams import NO_TABLE, DvStream, camera_name, header_bytes
 from voltcam_client.encodings import Events
 from voltcam_client.errors import PacketError
 from voltcam_client.formats.recording import FormatError
@@ -106,7 +106,7 @@ class Aedat4Writer(Writer):
     def _header(self, table: int = NO_TABLE) -> bytes:
         source = camera_name(self.width, self.height)
         sized = (self.width, self.height)
-        streams = [Stream(i, _KINDS[i], source, sized if i < 2 else None) for i in sorted(self._streams)]
+        streams = [DvStream(i, _KINDS[i], source, sized if i < 2 else None) for i in sorted(self._streams)]
         return header_bytes(streams, table, _HEADER_BYTES)
 
     def _rewrite_header(self, table: int = NO_TABLE) -> None:

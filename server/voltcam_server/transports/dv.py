@@ -23,7 +23,7 @@ from voltcam_client.dv.packets import (
     imu_packet,
     triggers_packet,
 )
-from voltcam_client.dv.streams import Stream, camera_name, header_bytes
+from voltcam_client.dv.streams import DvStream, camera_name, header_bytes
 from voltcam_client.packet import TOPIC_EVENTS, TOPIC_FRAMES, FrameMessage, Packet
 from voltcam_client.samples import TOPIC_IMU, TOPIC_TRIGGERS, SamplesMessage
 
@@ -92,7 +92,7 @@ class DvTransport(Transport):
             raise UsageError(f"DV holds {most} pixels a side, not {width} x {height}: give {OPTION} off")
         source = camera_name(width, height, serial)
         self._headers = {
-            topic: header_bytes([Stream(0, KINDS[topic].name, source, _size(topic, width, height))])
+            topic: header_bytes([DvStream(0, KINDS[topic].name, source, _size(topic, width, height))])
             for topic in topics
         }
         self._sent = self._lost = 0  # by the outbox, and readers that have left

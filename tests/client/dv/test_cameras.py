@@ -11,7 +11,7 @@ from tests.ports import free_port
 
 from voltcam_client.dv import cameras
 from voltcam_client.dv.cameras import find
-from voltcam_client.dv.streams import Stream, header_bytes
+from voltcam_client.dv.streams import DvStream, header_bytes
 
 SIZE = (346, 260)
 
@@ -41,7 +41,7 @@ def answering(port: int, answer: bytes) -> Iterator[None]:
 
 
 def header(kind: str, source: str) -> bytes:
-    return header_bytes([Stream(0, kind, source, SIZE if kind in ("EVTS", "FRME") else None)])
+    return header_bytes([DvStream(0, kind, source, SIZE if kind in ("EVTS", "FRME") else None)])
 
 
 @pytest.fixture

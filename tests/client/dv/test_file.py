@@ -7,7 +7,7 @@ import pytest
 
 from voltcam_client.dv.file import MAGIC, PACKET, file_header, mapped, packets_of, table_of
 from voltcam_client.dv.packets import events_packet, imu_packet
-from voltcam_client.dv.streams import Stream, header_bytes
+from voltcam_client.dv.streams import DvStream, header_bytes
 from voltcam_client.encodings import EVENT
 from voltcam_client.errors import PacketError
 from voltcam_client.samples import IMU
@@ -21,7 +21,7 @@ def _packet(stream: int, packet: bytes | bytearray) -> bytes:
 
 def _file(count: int) -> bytes:
     """`count` packets of two events, and one of a sample of the IMU after each."""
-    head = MAGIC + header_bytes([Stream(0, "EVTS", "A_1", (8, 8)), Stream(2, "IMUS", "A_1")])
+    head = MAGIC + header_bytes([DvStream(0, "EVTS", "A_1", (8, 8)), DvStream(2, "IMUS", "A_1")])
     packets = []
     for i in range(count):
         events = np.array([(1000 * i, 1, 2, True), (1000 * i + 9, 3, 4, False)], EVENT)
@@ -32,7 +32,7 @@ def _file(count: int) -> bytes:
 
 def _with_table(data: bytes) -> bytes:
     _, begin = file_header(data)
-    head = MAGIC + header_bytes([Stream(0, "EVTS", "A_1", (8, 8)), Stream(2, "IMUS", "A_1")], len(data))
+    head = MAGIC + header_bytes([DvStream(0, "EVTS", "A_1", (8, 8)), DvStream(2, "IMUS", "A_1")], len(data))
     assert len(head) == begin
     return head + data[begin:] + b"".join(table_of(data, begin, KINDS))
 

@@ -6,10 +6,10 @@ import dataclasses
 import pytest
 
 from voltcam_client.dv import streams
-from voltcam_client.dv.streams import NO_TABLE, Stream, camera_name, header_bytes, read_header
+from voltcam_client.dv.streams import NO_TABLE, DvStream, camera_name, header_bytes, read_header
 from voltcam_client.errors import PacketError
 
-DAVIS = Stream(0, "EVTS", "DAVIS346_EMU00001", (346, 260))
+DAVIS = DvStream(0, "EVTS", "DAVIS346_EMU00001", (346, 260))
 
 
 @pytest.mark.parametrize(
@@ -19,14 +19,14 @@ def test_a_streams_header_is_that_of_dv_processing(
     kind: str, size: tuple[int, int] | None, sent_by_dv, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(streams, "MODULE", "dv-processing")
-    stream = Stream(0, kind, "DAVIS346_X", size)
+    stream = DvStream(0, kind, "DAVIS346_X", size)
     theirs, _ = sent_by_dv(kind)
     assert header_bytes([stream]) == theirs
     assert read_header(theirs).streams == (stream,)
 
 
 def test_what_is_written_is_read_back() -> None:
-    all_streams = [DAVIS, dataclasses.replace(DAVIS, id=1, kind="FRME"), Stream(2, "IMUS", "A&B <1>")]
+    all_streams = [DAVIS, dataclasses.replace(DAVIS, id=1, kind="FRME"), DvStream(2, "IMUS", "A&B <1>")]
     header = read_header(header_bytes(all_streams, table=12345, size=4080))
     assert (header.streams, header.compression, header.table) == (tuple(all_streams), 0, 12345)
     assert read_header(header_bytes([DAVIS])).table == NO_TABLE

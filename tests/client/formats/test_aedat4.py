@@ -10,7 +10,7 @@ from backports import zstd
 
 from voltcam_client.dv.file import MAGIC, PACKET
 from voltcam_client.dv.packets import events_packet, frame_packet
-from voltcam_client.dv.streams import Stream, header_bytes
+from voltcam_client.dv.streams import DvStream, header_bytes
 from voltcam_client.encodings import EVENT
 from voltcam_client.formats import FormatError, Recording, read
 
@@ -43,7 +43,7 @@ def read_frames(tmp_path: Path) -> Callable[..., Recording]:
     """read_frames(*packets): the recording that a file of these FRME packets and nothing else gives."""
 
     def read_them(*packets: bytes | bytearray) -> Recording:
-        head = MAGIC + header_bytes([Stream(1, "FRME", "DAVIS346_1", (346, 260))])
+        head = MAGIC + header_bytes([DvStream(1, "FRME", "DAVIS346_1", (346, 260))])
         body = b"".join(PACKET.pack(1, len(packet)) + packet for packet in packets)
         (tmp_path / "a.aedat4").write_bytes(head + body)
         return read(tmp_path / "a.aedat4")
@@ -118,7 +118,7 @@ def test_frames_of_two_sizes_are_refused(read_frames) -> None:
 def test_few_bytes_that_say_they_are_many(tmp_path: Path) -> None:
     """160 MB of events in a packet of some kilobytes."""
     packet = zstd.compress(events_packet(np.zeros(10_000_000, EVENT)))
-    header = bytearray(header_bytes([Stream(0, "EVTS", "DAVIS346_1", (346, 260))]))
+    header = bytearray(header_bytes([DvStream(0, "EVTS", "DAVIS346_1", (346, 260))]))
     header[32] = 3
     (tmp_path / "a.aedat4").write_bytes(MAGIC + header + PACKET.pack(0, len(packet)) + packet)
     with pytest.raises(FormatError, match="more than it can"):

@@ -55,8 +55,8 @@ def test_a_recording_that_has_ended_is_played_again(page: Page, daemon: Daemon) 
     expect(page.locator("#banner")).to_be_hidden()
     assert daemon.get("source")["request"]["loop"]
     page.locator("#source-place").fill("0.5")
-    page.wait_for_function("() => document.getElementById('source-error').textContent === ''")
-    assert daemon.get("source")["request"]["start_s"] == 0.5
+    until(lambda: daemon.get("source")["request"]["start_s"] == 0.5, "it begins there")
+    expect(page.locator("#source-error")).to_have_text("")
     httpx.put(f"{daemon.url}api/v1/source", json={"uri": "scene"}).raise_for_status()
 
 

@@ -17,7 +17,7 @@ import pytest
 from voltcam_client import EventCamera
 from voltcam_client.dv.file import PACKET
 from voltcam_client.dv.packets import read_events, read_frame
-from voltcam_client.dv.streams import Stream, header_bytes, read_header
+from voltcam_client.dv.streams import DvStream, header_bytes, read_header
 from voltcam_client.packet import EVENT, TOPIC_EVENTS, FrameMessage, Packet
 from voltcam_client.samples import (
     IMU,
@@ -239,7 +239,7 @@ def test_dv_processing_gets_the_events_that_our_own_client_gets(tmp_path: Path) 
 
 def test_each_stream_begins_with_its_header(transport: DvTransport) -> None:
     for number, kind in enumerate(("EVTS", "FRME")):
-        stream = Stream(0, kind, "DAVIS346_EMU00001", (WIDTH, HEIGHT))
+        stream = DvStream(0, kind, "DAVIS346_EMU00001", (WIDTH, HEIGHT))
         with _connected(transport, number) as reader:
             header = _header(reader)
         assert header == header_bytes([stream])
