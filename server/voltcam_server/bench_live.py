@@ -32,7 +32,7 @@ PROGRAM = "import sys; from voltcam_client.cli import main; sys.exit(main())"
 SUM = re.compile(r'^voltcam_stage_seconds_(sum|count)\{.*stage="(\w+)".*\} (\S+)$', re.MULTILINE)
 
 
-class Seen(NamedTuple):
+class Watched(NamedTuple):
     """Of a daemon, over some seconds; ms."""
 
     ages: list[float]
@@ -63,7 +63,7 @@ def live(look_s: float = LOOK_S) -> list[Figure]:
     return figures
 
 
-def watched(width: int, height: int, options: tuple[str, ...], look_s: float) -> Seen:
+def watched(width: int, height: int, options: tuple[str, ...], look_s: float) -> Watched:
     """A daemon with a moving scene, once it runs. Raises VoltcamError where it does not begin."""
     with _daemon(width, height, options) as (http, zmq):
         control = Control(f"http://{http}")
@@ -82,7 +82,7 @@ def watched(width: int, height: int, options: tuple[str, ...], look_s: float) ->
     stages = {
         stage: 1e3 * (sum1[stage] - sum0[stage]) / max(1, count1[stage] - count0[stage]) for stage in sum0
     }
-    return Seen(ages, ways or [0.0], stages, after[0] - before[0], after[1] - before[1])
+    return Watched(ages, ways or [0.0], stages, after[0] - before[0], after[1] - before[1])
 
 
 def _frames(control: Control) -> tuple[int, int]:
