@@ -1,4 +1,4 @@
-"""Compile every kernel for compute capability 9.0, without a device: a line each; 77: there is no NVVM."""
+"""Compile every kernel for compute capability 9.0, without a device: a line each; 77: NVVM or NVRTC is missing."""
 
 import sys
 from typing import Any
@@ -35,9 +35,11 @@ def compiled(kernel: Any, threads: int, *groups: Any) -> None:
 
 
 try:
+    from numba.cuda.cudadrv.nvrtc import get_supported_ccs
     from numba.cuda.cudadrv.nvvm import NVVM
 
     NVVM()
+    get_supported_ccs()
 except Exception:
     sys.exit(77)
 dispatcher.get_current_device = lambda: Device

@@ -30,7 +30,7 @@ def test_all_kernels_compile_for_a_device() -> None:
     without memory but a thread's own."""
     done = run(str(COMPILES), NUMBA_ENABLE_CUDASIM="0")
     if done.returncode == 77:
-        pytest.skip("NVVM is not installed: pip install 'numba-cuda[cu13]'")
+        pytest.skip("NVVM or NVRTC is not installed: pip install 'numba-cuda[cu13]'")
     assert done.returncode == 0, done.stderr[-2000:]
     assert {line.split()[0] for line in done.stdout.splitlines()} == {
         "settle", "start", "step_all", "step_late", "_take", "_unpack",
