@@ -28,8 +28,8 @@ def tried(monkeypatch: pytest.MonkeyPatch) -> list[Parameters]:
     """The parameters that a small sensor was tried with."""
     tried: list[Parameters] = []
 
-    def simulator(width: int, height: int, parameters: Parameters, law: Any) -> Simulator:
-        assert law == "exact"
+    def simulator(width: int, height: int, parameters: Parameters, law: Any, device: Any) -> Simulator:
+        assert (law, device) == ("exact", "cpu")
         tried.append(parameters)
         return Simulator(width, height, parameters, law)
 

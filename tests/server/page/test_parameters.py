@@ -106,8 +106,8 @@ def test_presets_and_files(page: Page, daemon: Daemon, tmp_path: Path) -> None:
     with page.expect_download() as saving:
         page.locator("#save").click()
     saving.value.save_as(tmp_path / "mine.yaml")
-    page.locator("#preset").select_option("noisy")
-    page.wait_for_function("() => document.getElementById('version').textContent > 0")
+    with page.expect_response(is_patch):
+        page.locator("#preset").select_option("noisy")
     assert daemon.get("parameters")["parameters"] == daemon.get("presets")["noisy"]
     with page.expect_response("**/parameters/file"):
         page.locator("#load").set_input_files(tmp_path / "mine.yaml")
