@@ -1,4 +1,4 @@
-"""Compile every kernel for compute capability 9.0, without a device: a line each; 77: NVVM or NVRTC is missing."""
+"""Compile every kernel for capability 9.0, without a device: a line each; 77: NVVM or NVRTC is missing."""
 
 import sys
 from typing import Any
