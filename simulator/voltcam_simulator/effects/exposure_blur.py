@@ -1,5 +1,6 @@
 """A video frame is the mean of the light while it was exposed."""
 
+import threading
 from typing import Any, ClassVar
 
 import numpy as np
@@ -11,6 +12,8 @@ from ..kernel import kernel
 SHORTEST_US = 1.0  # times are whole microseconds: a shorter mean is that of no time
 KNOTS = 32
 """Instants of light that are kept; of an exposure longer than 31 steps only the last 31 count."""
+
+_PLACING = threading.Lock()
 
 
 class ExposureBlur(Effect):
@@ -49,7 +52,8 @@ class ExposureBlur(Effect):
             band.apply(keep, band.light, 0, own["lights"])
             return
         begin_us = band.end_us - self.exposure_us
-        now = place(times_us, begin_us, band.end_us)
+        with _PLACING:  # bands of one step share the times, and several threads work on bands
+            now = place(times_us, begin_us, band.end_us)
         known = np.flatnonzero(times_us > -np.inf)
         known = known[np.argsort(times_us[known])]
         weight = weights(times_us[known], begin_us)
