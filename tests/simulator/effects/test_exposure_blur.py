@@ -1,11 +1,14 @@
 """Exposure blur: a sudden change of light takes the exposure to arrive, in a straight line."""
 
 import math
+import threading
+import time
 
 import numpy as np
 import pytest
 
 from voltcam_simulator import Simulator
+from voltcam_simulator.effects import exposure_blur
 
 from ..scenes import only, still
 
@@ -79,3 +82,23 @@ def test_an_exposure_shorter_than_the_clock_tells_is_none() -> None:
         runs.append(simulator.advance(np.full((8, 8), LAST, np.uint8), 1_764_000_000_010_000))
     np.testing.assert_array_equal(*runs)
     assert runs[0].size > 64
+
+
+def test_threads_that_work_on_bands_of_one_step_place_its_light_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each would find the same place free, and two places would hold light of one time."""
+    real, here, most = exposure_blur.place, threading.Semaphore(1), []
+
+    def place(times_us: np.ndarray, begin_us: float, end_us: float) -> int:
+        most.append(here.acquire(blocking=False))
+        time.sleep(0.002)  # long enough for the other thread to come
+        index = real(times_us, begin_us, end_us)
+        if most[-1]:
+            here.release()
+        return index
+
+    monkeypatch.setattr(exposure_blur, "place", place)
+    simulator = Simulator(40, 30, only(exposure_blur={"exposure_us": 3000}), seed=1, threads=3)
+    for frame in range(8):
+        simulator.advance(still(10 * frame, 40, 30), 1000 * frame)
+    assert len(most) >= 3 * 7
+    assert all(most)
