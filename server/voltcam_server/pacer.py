@@ -1,5 +1,6 @@
 """When events leave: an interval's events in packets, each at its own time during the next interval."""
 
+import math
 import threading
 import time
 from collections import deque
@@ -13,7 +14,8 @@ from .camera_settings import PacketSettings
 from .interval import Interval
 
 BURST_PACKET_US = 1_000_000  # some encodings hold a few seconds only
-CATCH_UP = 0.01  # of an interval: how fast a delay that is no longer needed is taken back
+RECENT = 64  # intervals, a second or two of most sources: few enough to follow a change, enough for ENOUGH
+ENOUGH = 0.75  # of them are not held up by the pace; 1 would have all events as late as the slowest one
 QUEUE_INTERVALS = 2
 
 
@@ -48,22 +50,24 @@ def slices(interval: Interval, packets: PacketSettings) -> Iterator[Slice]:
 
 
 class PlayOut:
-    """Maps the events' time to `time.monotonic()`: late enough that events are there before they are due.
+    """Maps the events' time to `time.monotonic()`: so late that nearly all are there before they are due.
 
-    The delay follows the slowest recent interval at once, and goes back slowly, so that a frame that comes a
-    little late or early does not show in the pace.
+    The delay is what ENOUGH of the RECENT intervals needed. Events of one that needs more leave as soon as
+    they are there, and those behind them at their own time: one late frame does not hold up all that follow.
     """
 
     def __init__(self) -> None:
+        self._needed_s: deque[float] = deque(maxlen=RECENT)
         self._offset_s: float | None = None
 
     def begin(self, start_us: int, end_us: int, ready_s: float) -> None:
         """An interval whose events were known at `ready_s` is next."""
         needed_s, span_s = ready_s - start_us / 1e6, (end_us - start_us) / 1e6
-        if self._offset_s is None or not needed_s < self._offset_s < needed_s + span_s:
-            self._offset_s = needed_s
-        else:
-            self._offset_s = max(needed_s, self._offset_s - CATCH_UP * span_s)
+        if self._offset_s is not None and not -span_s < self._offset_s - needed_s < span_s:
+            self._needed_s.clear()  # the source paused, or its clock was set
+        self._needed_s.append(needed_s)
+        in_order = sorted(self._needed_s)
+        self._offset_s = in_order[math.ceil(ENOUGH * len(in_order)) - 1]
 
     def due_s(self, t_us: int) -> float:
         """When the events up to `t_us` leave."""

@@ -72,7 +72,9 @@ class Simulation:
         self._compiled = CompiledEffects(law, device)
         self.prepare(camera.parameters)
         size = camera.width, camera.height
-        self._simulator = Simulator(*size, camera.parameters, law, seed, threads_for(*size), device)
+        self._simulator = Simulator(
+            *size, camera.parameters, law, seed, threads_for(*size, live=True), device
+        )
         self._changes = ParameterChanges(self._simulator)
         self._upsample: Upsample = upsample
         self._next: Arrival | None = None  # with "cubic": what comes after the frame at hand

@@ -22,3 +22,8 @@ def test_a_large_sensor_has_all_cores_of_this_process() -> None:
 @pytest.mark.parametrize("size", [(1, 1), (128, 128), (240, 180)])
 def test_a_small_one_has_one(size: tuple[int, int]) -> None:
     assert threads_for(*size) == 1
+
+
+@pytest.mark.parametrize("size", [(240, 180), (346, 260)])
+def test_a_small_one_that_waits_for_frames_has_one(size: tuple[int, int]) -> None:
+    assert threads_for(*size, live=True) == 1
