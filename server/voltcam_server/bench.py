@@ -61,7 +61,7 @@ def run(arguments: Namespace) -> int:
 
 def plan(limits: MachineLimits) -> Iterator[Callable[[], list[Figure]]]:
     """What is measured, in order."""
-    base, camera = Parameters.of("paper"), Parameters.of("davis346")
+    base, camera = Parameters.of("paper"), Parameters.of("typical")
     pace = partial(speed, limits)
     for size, (width, height, count) in SIZES.items():
         scene = moving(count, width, height)
@@ -71,9 +71,9 @@ def plan(limits: MachineLimits) -> Iterator[Callable[[], list[Figure]]]:
         yield partial(pace, f"{size} static, base model, exact law", still, 30, base)
         yield partial(pace, f"{size} noise of 2 DN, base model, exact law", webcam, 30, base)
         for fps in (240, 60, 30):
-            yield partial(pace, f"{size} moving, davis346, {fps} frames/s", scene, fps, camera)
+            yield partial(pace, f"{size} moving, typical, {fps} frames/s", scene, fps, camera)
         yield partial(pace, f"{size} moving, base model, paper law", scene, 240, base, "paper")
-        for model, parameters in (("base model", base), ("davis346", camera)):
+        for model, parameters in (("base model", base), ("typical", camera)):
             yield partial(two_threads, f"{size} {model}, two threads over one, wall time", scene, parameters)
     scene = moving(60, 346, 260)
     yield partial(numpy_paper_law, scene[:6])

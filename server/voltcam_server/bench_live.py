@@ -1,4 +1,4 @@
-"""`voltcam bench`, live: a daemon of its own with a recording played in real time, all effects of a davis346.
+"""`voltcam bench`, live: a daemon of its own with a recording played in real time, all effects at typical values.
 
 How old the newest events are when they leave, and when a subscriber has them; how long an interval spends in
 each stage; whether a large camera keeps up.
@@ -48,7 +48,7 @@ class Watched(NamedTuple):
 def live(look_s: float = LOOK_S) -> list[Figure]:
     """The age of events of 346x260, paced and in bursts, and whether 1280x720 keeps up."""
     figures = []
-    small = f"346x260 live at {FPS} frames/s, davis346"
+    small = f"346x260 live at {FPS} frames/s, typical"
     for how, options in (("own pace", ()), ("--burst", ("--burst",))):
         seen = watched(346, 260, options, look_s)
         ages = at_receipt(seen)
@@ -60,7 +60,7 @@ def live(look_s: float = LOOK_S) -> list[Figure]:
         )
         figures.append(Figure.of(f"{small}, age at receipt, {how}", ages, "ms", remark))
     seen = watched(1280, 720, (), look_s)
-    name = f"1280x720 live at {FPS} frames/s, davis346, frames dropped"
+    name = f"1280x720 live at {FPS} frames/s, typical, frames dropped"
     figures.append(Figure.of(name, [float(seen.dropped)], "frames", f"of {seen.dropped + seen.simulated}"))
     return figures
 
@@ -125,7 +125,7 @@ def _daemon(width: int, height: int, options: tuple[str, ...]) -> Iterator[tuple
         scene, camera = Path(folder, "scene.npz"), Path(folder, "camera.yaml")
         frames = moving(FPS, width, height)
         np.savez(scene, frames=frames, t_us=np.arange(FPS) * 1_000_000 // FPS)
-        sized = Camera.load("davis346").model_copy(update={"width": width, "height": height})
+        sized = Camera.load("typical").model_copy(update={"width": width, "height": height})
         camera.write_text(sized.to_yaml())
         http, zmq = (f"127.0.0.1:{_free_port()}" for _ in range(2))
         command = [

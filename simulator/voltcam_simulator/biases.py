@@ -106,8 +106,8 @@ def changes_for(biases: BiasSet, camera: Parameters) -> dict[str, Any]:
         follower_hz = FOLLOWER_HZ
     wanted = {
         "comparator": {
-            "theta_on": camera.comparator.theta_on * on / _usual_log("ONBn"),
-            "theta_off": camera.comparator.theta_off * off / _usual_log("OFFBn"),
+            "theta_on": camera.comparator.theta_on * (on / _usual_log("ONBn")),
+            "theta_off": camera.comparator.theta_off * (off / _usual_log("OFFBn")),
         },
         "refractory_period": {"period_us": camera.refractory_period.period_us / biases.ratio("RefrBp")},
         "photoreceptor_bandwidth": {

@@ -8,6 +8,9 @@ import numpy as np
 from .kernel import kernel
 from .random import sequence, uniform
 
+LONG_US = 60e6
+"""What a scene has been still for: a camera that has just been put somewhere."""
+
 
 @kernel
 def start_voltage(pixels: Any, motion: Any, key: Any, first_pixel: Any) -> None:
@@ -22,6 +25,9 @@ def start_voltage(pixels: Any, motion: Any, key: Any, first_pixel: Any) -> None:
     (Green's function of the generator: the tent for nu = 0, uniform on (0, A) for pure drift). Starting
     there, a still scene gives its long-run event rate from the first microsecond on, and not a burst of
     leak events after 1/mu. Drawn by rejection from the uniform law.
+
+    A drift that does not cross the band within LONG_US has made the law its own in that share of the pixels
+    only. The others have the tent, which motion before has left.
     """
     voltage, above, below, drift, noise = (
         pixels.voltage, pixels.above, pixels.below, motion.drift, motion.noise
@@ -34,6 +40,10 @@ def start_voltage(pixels: Any, motion: Any, key: Any, first_pixel: Any) -> None:
         side = 1.0 if mu >= 0.0 else -1.0
         a, b = (above[i], below[i]) if mu >= 0.0 else (below[i], above[i])
         nu = 0.0 if mu == 0.0 else (2.0 * abs(mu) / (sigma * sigma) if sigma > 0.0 else math.inf)
+        crossed = abs(mu) * LONG_US / a
+        if crossed < 1.0:
+            state, u = uniform(state)
+            nu = nu if u < crossed else 0.0
         while True:
             state, place = uniform(state)
             state, u = uniform(state)

@@ -68,8 +68,8 @@ def main() -> int:
 
 
 def _small(folder: str) -> str:
-    """A camera file of 64 x 48 pixels with all effects of a davis346."""
-    camera = Camera.load("davis346")
+    """A camera file of 64 x 48 pixels with all effects at typical values."""
+    camera = Camera.load("typical")
     file = Path(folder) / "small.yaml"
     size = {"name": "small", "width": 64, "height": 48}
     file.write_text(yaml.safe_dump(size | camera.parameters.model_dump()))

@@ -6,7 +6,7 @@ from voltcam_server.bias_panel import BiasPanel
 from voltcam_simulator import Parameters
 from voltcam_simulator.biases import Biases, BiasSet
 
-CAMERA = Parameters.of("davis346")
+CAMERA = Parameters.of("typical")
 
 
 class Turned:

@@ -78,7 +78,7 @@ def test_speed_is_the_share_of_a_core_that_a_frame_takes(
 ) -> None:
     """So many times the camera's pixels: 0.7 of a core for the period, over the time of a frame."""
     monkeypatch.setattr(cli_doctor, "_frame_s", lambda *_: frame_s)
-    camera = Camera.load("davis346")
+    camera = Camera.load("typical")
     findings = list(_speed(camera))[1:]
     assert [good for good, _, _ in findings] == [own, None, None]
     for (_, _, words), fps in zip(findings, (30, 60, 240), strict=True):

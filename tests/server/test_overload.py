@@ -137,7 +137,7 @@ def test_overload_is_a_state_and_not_the_end(changes: dict[str, dict[str, float]
 def test_a_camera_recovers_from_thresholds_that_were_turned_down() -> None:
     """346 x 260 pixels, 60 frames/s: with times copied for each slice its age rose without end."""
     source = SourceRequest(uri="scene", fps=60, width=346, height=260)
-    with emulating(source, Camera.load("davis346")) as (emulator, listener):
+    with emulating(source, Camera.load("typical")) as (emulator, listener):
         listener.wait(lambda it: len(it.frames) > 20)
         emulator.simulation.change({"comparator": {"theta_on": 0.05, "theta_off": 0.05}})
         time.sleep(4)

@@ -22,7 +22,7 @@ from .rig import LIVELY, arrival, emulating, film, moving_frames, record, tiny
 
 
 @pytest.mark.parametrize("upsample", ["off", "auto", 3])
-@pytest.mark.parametrize("name", ["davis346", "paper"])
+@pytest.mark.parametrize("name", ["typical", "paper"])
 def test_a_recording_is_made_again_bit_for_bit(name: str, upsample: Any, tmp_path: Path) -> None:
     camera = Camera(name="tiny", width=24, height=16, parameters=Parameters.of(name).changed(LIVELY))
     path = tmp_path / "walk.npz"

@@ -11,14 +11,14 @@ from pydantic import ValidationError
 from voltcam_simulator import Parameters
 from voltcam_simulator.biases import USUAL, Biases, biases_of, changes_for, with_changes
 
-CAMERA = Parameters.of("davis346")
+CAMERA = Parameters.of("typical")
 
 
 def at(**changes: int) -> Parameters:
     return CAMERA.changed(changes_for(with_changes(Biases(), changes), CAMERA))
 
 
-@pytest.mark.parametrize("name", ["davis346", "davis240c", "paper", "noisy"])
+@pytest.mark.parametrize("name", ["davis346", "davis240c", "typical", "paper", "noisy"])
 def test_at_the_usual_biases_a_camera_is_as_it_says(name: str) -> None:
     camera = Parameters.of(name)
     changed = camera.changed(changes_for(Biases(), camera))

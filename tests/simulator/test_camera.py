@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 from pydantic import ValidationError
@@ -9,23 +10,28 @@ from pydantic import ValidationError
 from voltcam_simulator import Camera, Parameters, camera_names
 
 
-def test_the_published_sets() -> None:
-    """k1..k6 as in the table of the paper's supplement, for both cameras."""
-    rows = {
-        "paper": (346, 260, 5.265, 20, 1e-4, 1e-7, 5e-9, 1e-5),
-        "davis346": (346, 260, 5.265, 20, 1e-4, 1e-7, 5e-9, 1e-5),
-        "davis240c": (240, 180, 4.42411, 23, 2e-4, 1e-7, 5e-8, 1e-5),
-    }
-    assert set(rows) <= set(camera_names())
-    for name, row in rows.items():
-        camera = Camera.load(name)
-        p = camera.parameters
-        k = (
-            p.contrast_response.k1, p.contrast_response.k2_dn, p.photon_noise.k3, p.junction_leak.k4_per_us,
-            p.parasitic_photocurrent.k5_per_dn_us, p.leak_noise.k6,
-        )  # fmt: skip
-        assert (camera.width, camera.height, *k) == row
-        assert p == Parameters.of(name)
+@pytest.mark.parametrize("name", ["paper", "typical"])
+def test_the_published_set(name: str) -> None:
+    """k1..k6 as in the table of the paper's supplement."""
+    camera = Camera.load(name)
+    p = camera.parameters
+    k = (
+        p.contrast_response.k1, p.contrast_response.k2_dn, p.photon_noise.k3, p.junction_leak.k4_per_us,
+        p.parasitic_photocurrent.k5_per_dn_us, p.leak_noise.k6,
+    )  # fmt: skip
+    assert (camera.width, camera.height, *k) == (346, 260, 5.265, 20, 1e-4, 1e-7, 5e-9, 1e-5)
+    assert p == Parameters.of(name)
+
+
+@pytest.mark.parametrize(("name", "size"), [("davis346", (346, 260)), ("davis240c", (240, 180))])
+def test_the_cameras_that_were_measured(name: str, size: tuple[int, int]) -> None:
+    """Light that grows 1.5 times on a bright pixel is an ON event or more, and its loss an OFF event."""
+    camera = Camera.load(name)
+    p = camera.parameters
+    assert (camera.width, camera.height) == size
+    steps = p.contrast_response.k1 * np.log((150 + p.contrast_response.k2_dn) / (100 + p.contrast_response.k2_dn))
+    assert 0.5 < steps / p.comparator.theta_on < 3
+    assert 0.5 < steps / p.comparator.theta_off < 3
 
 
 @pytest.mark.parametrize("name", camera_names())

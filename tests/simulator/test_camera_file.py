@@ -10,7 +10,7 @@ from voltcam_simulator.camera_file import SIDE_LIMIT, SensorSize, camera_names, 
 
 
 def test_named_cameras_are_files_with_a_name_and_a_size() -> None:
-    assert {"davis346", "davis240c", "paper", "ideal", "noisy"} <= set(camera_names())
+    assert {"davis346", "davis240c", "typical", "paper", "ideal", "noisy"} <= set(camera_names())
     assert camera_names() == sorted(camera_names())
     for name in camera_names():
         size, _parameters = divided(read(name))

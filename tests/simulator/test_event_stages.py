@@ -110,5 +110,5 @@ def test_what_waits_counts_for_the_limit() -> None:
 
 
 def test_only_an_effect_that_changes_voltages_feeds_back() -> None:
-    assert not stages_of(Parameters.of("davis346"))[0].feed_back
+    assert not stages_of(Parameters.of("typical"))[0].feed_back
     assert stages_of(only(crosstalk={"coupling": 0.01}))[0].feed_back

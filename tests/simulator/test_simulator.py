@@ -233,7 +233,7 @@ def test_who_stops_listening_to_a_stream_ends_it() -> None:
 
 def test_the_same_seed_gives_the_same_events_and_another_does_not() -> None:
     def run(seed: int) -> Events:
-        return watch_still(Simulator(30, 30, Parameters.of("davis240c"), seed=seed), 200, 0.5, 60)
+        return watch_still(Simulator(30, 30, Parameters.of("typical"), seed=seed), 200, 0.5, 60)
 
     assert run(5).tobytes() == run(5).tobytes()
     assert run(5).tobytes() != run(6).tobytes()
@@ -301,7 +301,7 @@ def test_a_sensor_of_one_pixel_and_one_of_twelve_million() -> None:
 def test_what_cannot_be_is_refused_and_changes_nothing(
     frame: NDArray[np.void], t_us: int, message: str
 ) -> None:
-    simulator, twin = (Simulator(4, 5, Parameters.of("davis240c"), seed=1) for _ in range(2))
+    simulator, twin = (Simulator(4, 5, Parameters.of("typical"), seed=1) for _ in range(2))
     for s in (simulator, twin):
         s.advance(still(200, 4, 5), 0)
         s.advance(still(100, 4, 5), 1000)
@@ -362,7 +362,7 @@ def test_a_jump_forward_stamps_nothing_before_what_has_left() -> None:
     assert after["t"][0] >= before["t"][-1]
 
 
-@pytest.mark.parametrize("camera", ["davis346", "paper", "ideal", "noisy"])
+@pytest.mark.parametrize("camera", ["davis346", "davis240c", "typical", "paper", "ideal", "noisy"])
 @pytest.mark.parametrize("law", ["exact", "paper"])
 def test_a_snapshot_goes_on_as_its_simulator_does(camera: str, law: Law) -> None:
     """Bit for bit, with still rows drawn ahead, dead times, queues of the readout and events on their way."""

@@ -99,3 +99,16 @@ def test_a_dead_pixel_keeps_its_voltage_and_a_pixel_starts_by_its_number() -> No
     assert whole[0] == part[0] == 9
     assert (np.abs(whole[1:]) < 1).all()
     np.testing.assert_array_equal(whole[6:], part[1:])
+
+
+def test_a_drift_too_slow_to_cross_the_band_leaves_what_motion_left() -> None:
+    """A tenth of a threshold a minute: a tenth of the pixels have its uniform law, the others the tent."""
+    n, drift = 8000, np.float32(0.1 / 60e6)
+    pixels = Pixels(*(np.full(n, v, np.float32) for v in (0, 0, 0, 1, 1)))
+    start_voltage(pixels, Motion(np.full(n, drift), np.zeros(n, np.float32)), interval_key(4, START, 0), 0)
+
+    def law(v: NDArray[np.float64]) -> NDArray[np.float64]:
+        tent = np.where(v < 0, (1 + v) ** 2 / 2, 1 - (1 - v) ** 2 / 2)
+        return np.asarray(0.9 * tent + 0.1 * np.clip(v, 0, 1))
+
+    assert stats.kstest(pixels.voltage, law).pvalue > P_LIMIT

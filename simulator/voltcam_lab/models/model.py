@@ -31,7 +31,7 @@ Maker = Callable[[int, int, Any, int], Model]
 
 
 def _exact(width: int, height: int, parameters: Parameters | None, seed: int) -> Model:
-    return Simulator(width, height, parameters or Parameters.of("davis346"), "exact", seed)
+    return Simulator(width, height, parameters or Parameters.of("typical"), "exact", seed)
 
 
 def _paper(width: int, height: int, parameters: Parameters | None, seed: int) -> Model:
@@ -41,7 +41,7 @@ def _paper(width: int, height: int, parameters: Parameters | None, seed: int) ->
 MODELS: dict[str, Maker] = {"exact": _exact, "paper": _paper, "esim": Esim, "v2e": V2e}
 
 PUBLISHED: dict[str, Callable[[], AnyParameters]] = {
-    "exact": lambda: Parameters.of("davis346"),
+    "exact": lambda: Parameters.of("typical"),
     "paper": lambda: Parameters.of("paper"),
     "esim": EsimParameters,
     "v2e": V2eParameters,

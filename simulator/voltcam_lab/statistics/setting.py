@@ -62,13 +62,13 @@ def setting_of(
     exposure_us: NDArray[np.int64] | None = None,
     parameters: Parameters | None = None,
 ) -> Setting:
-    """Divide a scene. keep: (H, W), the pixels to look at; None: all. parameters: None: DAVIS346.
+    """Divide a scene. keep: (H, W), the pixels to look at; None: all. parameters: None: a typical DAVIS346.
 
     Raises ValueError when there are fewer than two frames or no pixel is kept.
     """
     if len(frame_t_us) < 2 or len(scene.t_us) < 2:
         raise ValueError("a recording with fewer than two frames tells nothing: record for longer")
-    parameters = parameters or Parameters.of("davis346")
+    parameters = parameters or Parameters.of("typical")
     period_us = float(np.median(np.diff(frame_t_us)))
     size = scene.height * scene.width
     pixels = np.arange(size) if keep is None else np.flatnonzero(keep)

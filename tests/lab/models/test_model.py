@@ -56,7 +56,7 @@ def test_none_means_the_published_parameters(name: str, scene: Scene) -> None:
     assert np.array_equal(*(simulate(model, scene) for model in makers))
 
 
-@pytest.mark.parametrize("parameters", [EsimParameters(), V2eParameters.noisy(), Parameters.of("davis346")])
+@pytest.mark.parametrize("parameters", [EsimParameters(), V2eParameters.noisy(), Parameters.of("typical")])
 def test_with_thresholds_changes_nothing_else(
     parameters: EsimParameters | V2eParameters | Parameters,
 ) -> None:

@@ -15,7 +15,7 @@ EVENTS = 11  # of a pixel, within 2 s
 
 def test_brownian_intervals_have_even_probabilities() -> None:
     """A leak of 2 thresholds a second with sigma^2 = .5/s: inverse Gaussian, mean .5 s, shape 2 s."""
-    law = Parameters.of("davis346").changed({
+    law = Parameters.of("typical").changed({
         "photon_noise": {"k3": 0}, "parasitic_photocurrent": {"k5_per_dn_us": 0},
         "junction_leak": {"k4_per_us": 2e-6}, "leak_noise": {"k6": 5e-7**0.5},
     })  # fmt: skip

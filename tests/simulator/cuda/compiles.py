@@ -46,7 +46,7 @@ dispatcher.get_current_device = lambda: Device
 arrays.SIMULATED, frames.SIMULATED = True, True  # arrays are NumPy's; kernels are not simulated
 arrays.require = lambda: None
 arrays.launch = compiled
-parameters = Parameters.of("davis346").changed(
+parameters = Parameters.of("typical").changed(
     {
         "exposure_blur": {"exposure_us": 900.0},
         "vignetting": {"corner_loss": 0.4},

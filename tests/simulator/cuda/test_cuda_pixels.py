@@ -57,7 +57,7 @@ def events_of(simulator: Simulator, frames: list[NDArray[Any]], first: int = 0) 
 
 
 @pytest.mark.parametrize("law", ["exact", "paper"])
-@pytest.mark.parametrize("preset", ["davis346", "noisy"])
+@pytest.mark.parametrize("preset", ["typical", "noisy"])
 def test_events_are_those_of_the_cpu(preset: str, law: Law) -> None:
     cpu, cuda = both(Parameters.of(preset), law)
     expected = events_of(cpu, moving(6))
@@ -82,7 +82,7 @@ def test_all_effects_give_the_events_of_the_cpu_and_state_goes_from_one_to_the_o
 
 
 def test_parameters_change_between_two_frames() -> None:
-    cpu, cuda = both(Parameters.of("davis346"))
+    cpu, cuda = both(Parameters.of("typical"))
     frames = moving(6)
     for simulator in (cpu, cuda):
         events_of(simulator, frames[:3])

@@ -8,7 +8,7 @@ from voltcam_simulator import Parameters, Simulator
 BRIGHT, DARK = np.full((3, 4), 250, np.uint8), np.full((3, 4), 10, np.uint8)
 
 
-@pytest.mark.parametrize("preset", ["ideal", "davis346"])  # the second has effects that act on events
+@pytest.mark.parametrize("preset", ["ideal", "typical"])  # the second has effects that act on events
 def test_they_are_those_that_advance_gives(preset: str) -> None:
     here, there = (Simulator(4, 3, Parameters.of(preset), seed=2, device="cuda") for _ in range(2))
     total = 0

@@ -76,7 +76,7 @@ def test_all_together_do_not_see_bands_and_survive_any_light(
     runs = []
     for band_pixels in (16384, 1000, 1):
         monkeypatch.setattr(pixel_array, "BAND_PIXELS", band_pixels)
-        parameters = Parameters.of("davis346").changed(ALL_OF_THE_PIXEL)
+        parameters = Parameters.of("typical").changed(ALL_OF_THE_PIXEL)
         simulator = Simulator(70, 50, parameters, law=law, seed=1)
         events = [simulator.advance(frame, t) for frame, t in zip(frames, times, strict=True)]
         for k in range(1, len(times)):

@@ -39,7 +39,7 @@ def test_a_camera_sees_the_same_with_the_clock_counted_from_elsewhere(
 
 
 def test_what_is_not_in_step_stays() -> None:
-    parameters = Parameters.of("davis346")
+    parameters = Parameters.of("typical")
     assert counted_from(parameters, ORIGIN_US) is parameters
 
 
