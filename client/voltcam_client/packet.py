@@ -13,7 +13,8 @@ events     ROS event_camera_msgs/EventPacket: header {stamp     the events, see 
 frames     ROS sensor_msgs/Image: header, height, width,        the image, `height` rows of `step`
            encoding ("mono8"), is_bigendian, step; and seq,     bytes
            time_base (ns), parameters_version; of an APS
-           frame exposure_us, frame_us: [begin, end]
+           frame exposure_us, frame_us: [begin, end]; of a
+           frame that is coded for screens, gamma
 imu,       header, seq, count; see `samples`                    the samples, records
 triggers
 status     the same map as GET /api/v1/status                   none
@@ -93,6 +94,8 @@ class FrameMessage:
     - `exposure_us`, `frame_us`: begin and end of an APS frame's exposure, and of the frame with its readout,
       on the events' clock; None for the simulator's.
     - `stamp_ns`, `frame_id`, `parameters_version`: as in `Packet`.
+    - `gamma`: exponent from grey levels to light; 1 where they are light, 2.2 where a video is coded for
+      screens.
     """
 
     image: npt.NDArray[np.uint8]
@@ -103,6 +106,7 @@ class FrameMessage:
     parameters_version: int = 0
     exposure_us: tuple[int, int] | None = None
     frame_us: tuple[int, int] | None = None
+    gamma: float = 1.0
 
 
 def encode_packet(packet: Packet) -> tuple[bytes, bytes]:
@@ -164,6 +168,8 @@ def encode_frame(frame: FrameMessage) -> tuple[bytes, bytes]:
     for key in ("exposure_us", "frame_us"):
         if (span := getattr(frame, key)) is not None:
             header[key] = span
+    if frame.gamma != 1:
+        header["gamma"] = frame.gamma
     return pack_header(header), frame.image.tobytes()
 
 
@@ -185,6 +191,7 @@ def decode_frame(header_bytes: Buffer, buffer: Buffer) -> FrameMessage:
             parameters_version=header["parameters_version"],
             exposure_us=_span(header.get("exposure_us")),
             frame_us=_span(header.get("frame_us")),
+            gamma=float(header.get("gamma", 1.0)),
         )
     except (KeyError, TypeError) as error:
         raise PacketError(f"the frame's header lacks or misuses {error}; is it a Voltcam daemon?") from error

@@ -1,4 +1,4 @@
-"""`voltcam bench`, live: a daemon of its own with a recording played in real time, all effects at typical values.
+"""`voltcam bench`, live: a daemon of its own with a recording played in real time, all effects typical.
 
 How old the newest events are when they leave, and when a subscriber has them; how long an interval spends in
 each stage; whether a large camera keeps up.

@@ -70,10 +70,11 @@ class BesideEvents:
         """What is after the last frame and up to this one. jumped: this one does not follow from that."""
         last_us, self._last_us = self._last_us, t_us
         frames: list[ApsFrame] = []
+        light = image if self._aps is None else parameters.input_response.light_of(image)
         if self._aps is not None and jumped:
-            self._aps.jump(image, t_us)
+            self._aps.jump(light, t_us)
         elif self._aps is not None:
-            frames = self._aps.advance(parameters.aps_coupling, image, t_us)
+            frames = self._aps.advance(parameters.aps_coupling, light, t_us)
         if last_us is None or t_us <= last_us:
             return Beside(tuple(frames))
         return Beside(

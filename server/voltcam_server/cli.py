@@ -11,7 +11,7 @@ from voltcam_client.cli_arguments import seconds
 from voltcam_client.formats import SUFFIXES
 from voltcam_simulator import Device, Law, camera_names
 from voltcam_simulator.parameters import merged
-from voltcam_video import Fit
+from voltcam_video import Fit, Levels
 
 from .beside import Frames
 from .camera_settings import EncodingName
@@ -21,7 +21,7 @@ from .settings import schema as config_schema
 
 CAMERA_HELP = f"{', '.join(camera_names())}, or a camera file (.yaml)"
 DAVIS_OPTIONS = {"frames": "frames", "imu": "imu_hz", "triggers": "triggers_hz"}
-SOURCE_FIELDS = ("fit", "width", "height", "fps", "pixel_format")
+SOURCE_FIELDS = ("fit", "levels", "width", "height", "fps", "pixel_format")
 
 
 def serve(parser: argparse.ArgumentParser) -> None:
@@ -52,7 +52,7 @@ examples:
     source.add_argument(
         "--fast", action="store_true", default=None, help="play a recording as fast as the simulation goes"
     )
-    _add_fit(source)
+    _add_picture(source)
     source.add_argument("--width", metavar="PIXELS", help="asked of a camera or the scene")
     source.add_argument("--height", metavar="PIXELS", help="asked of a camera or the scene")
     source.add_argument("--fps", metavar="N", help="frames per second, asked of a camera or the scene")
@@ -107,7 +107,7 @@ What was written is kept, and reads as it is, after an error or Ctrl-C."""
     parser.add_argument("input", metavar="INPUT", help="what to read")
     parser.add_argument("output", metavar="OUTPUT", type=Path, help="the file to write")
     _add_camera(parser)
-    _add_fit(parser)
+    _add_picture(parser)
     parser.add_argument(
         "--seconds", metavar="N", type=seconds, help="end after N seconds of the input's time"
     )
@@ -154,11 +154,16 @@ def _add_camera(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _add_fit(parser: Any) -> None:
+def _add_picture(parser: Any) -> None:
     parser.add_argument(
         "--fit",
         choices=get_args(Fit),
         help="frames of other proportions: edges cut off, black bars, or out of proportion (default: crop)",
+    )
+    parser.add_argument(
+        "--levels",
+        choices=get_args(Levels),
+        help="what grey levels are: light, or video, coded for screens (default: as usual for such a source)",
     )
 
 

@@ -29,6 +29,7 @@ from voltcam_video import (
 from voltcam_video.sources import MemorySource
 
 from .cores import threads_for
+from .parameter_changes import seen_through
 from .problems import UsageError, one_line
 from .signals import ended_by_signal
 
@@ -75,7 +76,13 @@ def _simulate(source: Source, job: Conversion, stop: threading.Event) -> str:
     width, height = job.camera.width, job.camera.height
     try:
         simulator = Simulator(
-            width, height, job.camera.parameters, job.law, job.seed, threads_for(width, height), job.device
+            width,
+            height,
+            seen_through(job.camera.parameters, source.gamma),
+            job.law,
+            job.seed,
+            threads_for(width, height),
+            job.device,
         )
     except NoDeviceError as error:
         raise UsageError(one_line(error)) from None

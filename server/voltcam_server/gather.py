@@ -18,6 +18,7 @@ from pydantic import BaseModel, ConfigDict
 from voltcam_client import EventCamera, FrameMessage, Packet, VoltcamError
 from voltcam_client.camera import Message, Stream
 from voltcam_client.formats import Writer, open_writer
+from voltcam_simulator.effects.input_response import InputResponse
 
 from .problems import one_line
 
@@ -168,7 +169,8 @@ class _Gathered:
         self._frames_us = self._events_us = begin_us  # how far each has come
 
     def frame(self, frame: FrameMessage) -> None:
-        self._writer.frame(frame.image, frame.t_us)
+        light = InputResponse(gamma_exponent=frame.gamma).light_of(frame.image)
+        self._writer.frame(np.rint(light).astype(np.uint8), frame.t_us)
         self._frames += 1
         self._frames_us = frame.t_us
 

@@ -23,7 +23,7 @@ class Interval:
     effect stamps events earlier than they were. frame_us: the frame's time. arrived_s: when that frame came,
     ready_s: when its events were known, `time.monotonic()`. paced: as of an Arrival.
     how, coarser, parameters: what its events were made with, so that they can be made again. beside: what a
-    DAVIS gives in it beside events.
+    DAVIS gives in it beside events. gamma: exponent from the image's grey levels to light.
     """
 
     events: NDArray[np.void]
@@ -39,6 +39,7 @@ class Interval:
     ready_s: float
     paced: bool
     beside: Beside = NOTHING
+    gamma: float = 1.0
 
     @property
     def image_u8(self) -> NDArray[np.uint8]:

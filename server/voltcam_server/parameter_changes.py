@@ -2,21 +2,45 @@
 
 import threading
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 from voltcam_simulator import Parameters, Simulator
 from voltcam_simulator.fixed_pattern import FixedPattern
 
 
+def seen_through(parameters: Parameters, gamma: float) -> Parameters:
+    """Parameters of a sensor that is shown grey levels of which light is the power `gamma`.
+
+    Unchecked: the product with the camera's own exponent may be beyond the limits of one.
+    """
+    if gamma == 1:
+        return parameters
+    response = parameters.input_response
+    coded = response.model_copy(update={"gamma_exponent": gamma * response.gamma_exponent})
+    return parameters.model_copy(update={"input_response": coded})
+
+
+class _Laid(NamedTuple):
+    """The newest pattern, None at first; version: of its parameters, gamma: of what it is for."""
+
+    pattern: FixedPattern | None
+    version: int
+    gamma: float
+
+
 class ParameterChanges:
-    """Those of one simulator. Versions count from 0, the parameters that it was made with."""
+    """Those of one simulator. Versions count from 0, the parameters that it was made with.
+
+    The simulator has them as its source's grey levels need them, see `seen_through`.
+    """
 
     def __init__(self, simulator: Simulator) -> None:
         self._simulator = simulator
         self._lock = threading.Lock()
         self._wanted = (simulator.parameters, 0)
         self._laying = threading.Lock()
-        self._laid: tuple[FixedPattern | None, int] = (None, 0)  # newest pattern and its version
+        self._gamma = 1.0  # of what the sensor is shown
+        self._laid = self._taken = _Laid(None, 0, 1.0)
         self.version = 0
         """Of the parameters that the simulator has now."""
 
@@ -40,13 +64,22 @@ class ParameterChanges:
     def _lay_down(self, version: int) -> None:
         """Have the sensor's pattern made for this version or a newer one: a moving slider has few made."""
         with self._laying:
-            if self._laid[1] < version:
+            gamma = self._gamma
+            if self._laid.version < version or self._laid.gamma != gamma:
                 parameters, newest = self.newest
-                self._laid = self._simulator.laid_down(parameters), newest
+                pattern = self._simulator.laid_down(seen_through(parameters, gamma))
+                self._laid = _Laid(pattern, newest, gamma)
 
-    def take(self) -> None:
-        """Give the simulator the newest pattern that is made. For the thread that calls `advance`."""
-        pattern, version = self._laid
-        if pattern is not None and version != self.version:
-            self._simulator.take(pattern)
-            self.version = version
+    def take(self, gamma: float | None = None) -> None:
+        """Give the simulator the newest pattern that is made. For the thread that calls `advance`.
+
+        gamma: of the frame that comes next; None: as it was.
+        """
+        if gamma is not None and gamma != self._gamma:
+            self._gamma = gamma
+            self._lay_down(self._laid.version)
+        laid = self._laid
+        if laid is not self._taken:
+            assert laid.pattern is not None
+            self._simulator.take(laid.pattern)
+            self._taken, self.version = laid, laid.version

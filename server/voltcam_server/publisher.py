@@ -104,6 +104,7 @@ class Publisher:
             parameters_version=interval.parameters_version,
             exposure_us=aps and aps.exposure_us,
             frame_us=aps and aps.frame_us,
+            gamma=interval.gamma if aps is None else 1.0,
         )
         self.publish(frame_message(frame))
 

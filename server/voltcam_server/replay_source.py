@@ -46,6 +46,7 @@ class ReplaySource(RecordedSource):
             frames=self._t_us.size,
             backend=None,
             clock="recording",
+            levels=self.levels,
         )
 
     def _take(self) -> Iterator[Frame]:

@@ -18,7 +18,7 @@ from voltcam_simulator import (
     Simulator,
     TooManyEventsError,
 )
-from voltcam_video import Frame, Image, along_cubic, along_flow, fit, follows
+from voltcam_video import VIDEO_GAMMA, Frame, Image, along_cubic, along_flow, fit, follows
 
 from .beside import BesideEvents, DavisSettings
 from .camera_settings import Upsample
@@ -27,7 +27,7 @@ from .cores import threads_for
 from .interval import How, Interval, SimulationSetup, Start
 from .mailbox import Arrival
 from .overload import TOO_FAST, Load, OverloadSettings, coarser
-from .parameter_changes import ParameterChanges
+from .parameter_changes import ParameterChanges, seen_through
 from .problems import one_line
 
 MISSED_AT_LEAST = 2  # dropped frames, of which what was between is skipped
@@ -104,7 +104,7 @@ class Simulation:
 
     def prepare(self, parameters: Parameters) -> None:
         """Have compiled what these parameters need, so that no frame need wait seconds for it."""
-        self._compiled.prepare(parameters)
+        self._compiled.prepare(seen_through(parameters, VIDEO_GAMMA))
 
     def step(self, arrival: Arrival) -> Interval | None:
         """The interval that this frame ends; None for a frame that cannot be used, which is counted."""
@@ -142,7 +142,7 @@ class Simulation:
                 return None
             cut = True
         image = fit(arrival.frame.image, self.camera.width, self.camera.height, arrival.fit)
-        self._changes.take()
+        self._changes.take(arrival.frame.gamma)
         try:
             if arrival.frame.events is not None:
                 return self._replay(image, arrival.frame.events, t_us, cut, arrival)
@@ -285,4 +285,5 @@ class Simulation:
             time.monotonic(),
             arrival.paced,
             beside,
+            arrival.frame.gamma,
         )

@@ -9,6 +9,7 @@ from voltcam_video.cubic import along_cubic
 from voltcam_video.flow import along_flow
 from voltcam_video.frame import Fit, Frame, Image, Outcome, fit, luminance
 from voltcam_video.interval import follows
+from voltcam_video.light import VIDEO_GAMMA, Levels
 from voltcam_video.opencv import backends
 from voltcam_video.request import SourceRequest
 from voltcam_video.sources import Granted, Source, SourceError, open_source
@@ -16,11 +17,13 @@ from voltcam_video.upsample import Upsampling, between
 from voltcam_video.watch import SourceState, watch
 
 __all__ = [
+    "VIDEO_GAMMA",
     "Clock",
     "Fit",
     "Frame",
     "Granted",
     "Image",
+    "Levels",
     "Outcome",
     "Source",
     "SourceError",

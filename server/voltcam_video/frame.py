@@ -47,6 +47,7 @@ class Frame:
     cut: the scene did not evolve continuously from the former frame: the first frame after a
         reconnection, and the first of every further round of a looped recording.
     sent: of a frame that a program sent, on its own clock.
+    gamma: exponent from its grey levels to light; 1 where they are light.
     """
 
     image: Image
@@ -55,6 +56,7 @@ class Frame:
     events: NDArray[np.void] | None = None
     position_us: int | None = None
     sent: Sent | None = None
+    gamma: float = 1.0
 
 
 def luminance(image: NDArray[Any]) -> Image:

@@ -7,6 +7,7 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from voltcam_video.frame import Fit
+from voltcam_video.light import Levels
 
 SECRETS = "pass|pwd|token|secret|key|auth"
 """What the name of a query's secret has in it."""
@@ -59,6 +60,11 @@ class SourceRequest(BaseModel):
         default="crop",
         description="how frames of other proportions go into the camera's array: crop (edges lost), "
         "letterbox (black bars), stretch (out of proportion)",
+    )
+    levels: Levels = Field(
+        default="auto",
+        description="what grey levels are: light, as a DAVIS's frames have it, or video, coded for screens; "
+        "auto: video of cameras, films, streams and single images, light of recordings and of the scene",
     )
     timeout_s: float = Field(
         default=5.0,

@@ -1,8 +1,8 @@
 """The frames of a DAVIS: the light of each exposure, at the times that `aps_coupling` has.
 
 Light goes in a straight line from one source frame to the next, as it does for events, and a frame is its
-mean over the exposure, which all rows share. Grey levels are the source's: there is no noise of an APS pixel,
-and a longer exposure is no brighter.
+mean over the exposure, which all rows share. Images are of light, as `InputResponse.light_of` has it.
+There is no noise of an APS pixel, and a longer exposure is no brighter.
 """
 
 from collections.abc import Iterator

@@ -151,6 +151,15 @@ def test_a_frame_comes_back_as_it_was() -> None:
     assert (back.seq, back.t_us, back.stamp_ns, back.parameters_version) == (5, frame.t_us, 9, 2)
 
 
+@pytest.mark.parametrize("gamma", [1.0, 2.2])
+def test_a_frame_says_whether_it_is_light(gamma: float) -> None:
+    """Without a word it is: so say daemons from before."""
+    image = np.zeros((3, 4), np.uint8)
+    header, buffer = encode_frame(FrameMessage(image=image, seq=0, t_us=0, stamp_ns=0, gamma=gamma))
+    assert ("gamma" in msgpack.unpackb(header)) == (gamma != 1)
+    assert decode_frame(header, buffer).gamma == gamma
+
+
 def test_a_frame_may_be_a_part_of_an_image() -> None:
     image = np.arange(100, dtype=np.uint8).reshape(10, 10)[2:5, 1:9:2]
     back = decode_frame(*encode_frame(FrameMessage(image=image, seq=0, t_us=0, stamp_ns=0)))

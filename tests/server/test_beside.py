@@ -37,6 +37,14 @@ def test_frames_are_exposed_when_aps_coupling_says() -> None:
     assert exposures == [(begin, begin + 500) for begin in begins]
 
 
+def test_frames_are_of_light() -> None:
+    """Grey level 90 of a video is 255 (90 / 255)^2.2 = 25.8 of light."""
+    coded = PARAMETERS.changed({"input_response": {"gamma_exponent": 2.2}})
+    beside = BesideEvents(tiny(), 1, DavisSettings(frames="aps"))
+    pieces = [beside.until(IMAGE, t_us, coded, jumped=t_us == 0) for t_us in (0, 20_000)]
+    assert {int(level) for level in np.unique(pieces[1].frames[0].image)} == {26}
+
+
 def test_a_frame_that_a_jump_has_cut_is_lost() -> None:
     pieces = watch(DavisSettings(frames="aps"), [0, 2800, 2900, 9000], jumps=(0, 2))
     assert not any(piece.frames for piece in pieces)

@@ -39,6 +39,17 @@ def test_every_frame_is_simulated(tmp_path: Path, suffix: str, start_us: int) ->
     assert f"{sum(map(len, expected))} events from 50 frames" in words
 
 
+def test_grey_levels_of_a_video_are_decoded(tmp_path: Path) -> None:
+    camera, output = tiny(), tmp_path / "out.npz"
+    frames = moving_frames(20, camera)
+    asked = job(save_frames(tmp_path / "in.npz", frames), output)
+    convert(replace(asked, source=asked.source.model_copy(update={"levels": "video"})))
+    decoding = camera.parameters.changed({"input_response": {"gamma_exponent": 2.2}})
+    simulator = Simulator(24, 16, decoding, seed=2)
+    expected = [simulator.advance(image, 10_000 * i) for i, image in enumerate(frames)]
+    np.testing.assert_array_equal(read(output).events, np.concatenate(expected))
+
+
 @pytest.mark.parametrize("suffix", [".npz", ".h5", ".bag", ".dvs.mcap", ".db3"])
 def test_a_copy_has_events_and_frames_and_simulates_nothing(tmp_path: Path, suffix: str) -> None:
     events = np.array([(5, 1, 2, True), (90_000, 3, 1, False)], EVENT)

@@ -26,7 +26,7 @@ Running = tuple[Emulator, Listener, str]
 @pytest.fixture
 def running() -> Iterator[Running]:
     url = f"tcp://127.0.0.1:{free_port()}"
-    with emulating(SourceRequest(uri=f"zmq+{url}")) as (emulator, listener):
+    with emulating(SourceRequest(uri=f"zmq+{url}", levels="light")) as (emulator, listener):
         yield emulator, listener, url
 
 
@@ -184,6 +184,6 @@ def test_the_same_inlet_can_be_asked_for_again(running: Running) -> None:
     emulator, _, url = running
     with FrameSender(url) as sender:
         sender.send(FRAMES[0], 0)
-    emulator.look_at(SourceRequest(uri=f"zmq+{url}"))
+    emulator.look_at(SourceRequest(uri=f"zmq+{url}", levels="light"))
     with FrameSender(url) as sender:
         assert sender.send(FRAMES[1], 5) is not None

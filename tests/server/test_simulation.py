@@ -1,5 +1,7 @@
 """Frames of all kinds into intervals of events."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from pydantic import ValidationError
@@ -32,6 +34,24 @@ def test_intervals_are_the_simulators() -> None:
         assert (interval.start_us, interval.end_us) == (max(0, 1000 * (i - 1)), 1000 * i)
         assert interval.frame_us == 1000 * i
         np.testing.assert_array_equal(interval.image_u8, image)
+
+
+def test_the_pixels_see_the_light_of_a_video_and_a_change_of_source_is_followed() -> None:
+    """What they see is what a simulator sees whose camera undoes the code by itself."""
+    camera = tiny()
+    simulation = Simulation(camera, "exact", 5)
+    coded = camera.parameters.changed({"input_response": {"gamma_exponent": 2.2}})
+    simulator = Simulator(24, 16, camera.parameters, seed=5)
+    for i, image in enumerate(moving_frames(12, camera)):
+        gamma = 2.2 if 4 <= i < 8 else 1.0
+        if i in (4, 8):
+            simulator.parameters = coded if i == 4 else camera.parameters
+        came = arrival(image, 1000 * i)
+        interval = simulation.step(replace(came, frame=replace(came.frame, gamma=gamma)))
+        assert interval is not None
+        np.testing.assert_array_equal(interval.events, simulator.advance(image, 1000 * i))
+        assert (interval.gamma, interval.parameters_version) == (gamma, 0)
+        assert simulation.parameters == (camera.parameters, 0)
 
 
 @pytest.mark.parametrize(

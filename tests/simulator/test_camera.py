@@ -29,7 +29,9 @@ def test_the_cameras_that_were_measured(name: str, size: tuple[int, int]) -> Non
     camera = Camera.load(name)
     p = camera.parameters
     assert (camera.width, camera.height) == size
-    steps = p.contrast_response.k1 * np.log((150 + p.contrast_response.k2_dn) / (100 + p.contrast_response.k2_dn))
+    steps = p.contrast_response.k1 * np.log(
+        (150 + p.contrast_response.k2_dn) / (100 + p.contrast_response.k2_dn)
+    )
     assert 0.5 < steps / p.comparator.theta_on < 3
     assert 0.5 < steps / p.comparator.theta_off < 3
 

@@ -96,6 +96,7 @@ class DeviceSource(LiveSource):
             frames=None,
             backend=capture.getBackendName(),
             clock="kernel" if stamped else "arrival",
+            levels=self.levels,
         )
 
     def _stamp_us(self) -> int:

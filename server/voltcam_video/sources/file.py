@@ -24,6 +24,8 @@ class FileSource(RecordedSource):
     A file cut short gives all frames it has and then raises SourceError instead of ending.
     """
 
+    coded = True
+
     def __init__(self, request: SourceRequest, clock: Clock, stop: threading.Event) -> None:
         super().__init__(request, clock, stop)
         self._path = Path(request.uri)
@@ -41,6 +43,7 @@ class FileSource(RecordedSource):
             frames=self._announced or None,
             backend=capture.getBackendName(),
             clock="recording",
+            levels=self.levels,
         )
         capture.release()
 
@@ -79,7 +82,7 @@ class FileSource(RecordedSource):
                 t_us = self._time_us(capture, count, t_us)
                 ok, image = capture.retrieve()
                 if ok:
-                    yield Frame(luminance(image), t_us)
+                    yield Frame(luminance(image), t_us, gamma=self.gamma)
                     count += 1
         finally:
             capture.release()

@@ -15,11 +15,15 @@ from voltcam_video.sources.source import Granted, SourceError
 
 
 class ImagesSource(RecordedSource):
-    """The listed images, in the list's order and at its times."""
+    """The listed images, in the list's order and at its times.
+
+    Beside events they are a camera's own frames, which are light; by themselves, pictures coded for screens.
+    """
 
     def __init__(self, request: SourceRequest, clock: Clock, stop: threading.Event) -> None:
         super().__init__(request, clock, stop)
         self._listed = _listed(Path(request.uri))
+        self.coded = not (Path(request.uri) / "events.txt").exists()
         height, width = _read_image(self._listed[0].path).shape
         span_us = self._listed[-1].t_us - self._listed[0].t_us
         self.granted = Granted(
@@ -32,6 +36,7 @@ class ImagesSource(RecordedSource):
             frames=len(self._listed),
             backend=None,
             clock="recording",
+            levels=self.levels,
         )
 
     @classmethod
@@ -40,7 +45,7 @@ class ImagesSource(RecordedSource):
 
     def _take(self) -> Iterator[Frame]:
         for image in self._listed:
-            yield Frame(_read_image(image.path), image.t_us)
+            yield Frame(_read_image(image.path), image.t_us, gamma=self.gamma)
 
 
 def _listed(folder: Path) -> list[ListedImage]:

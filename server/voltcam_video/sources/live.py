@@ -17,6 +17,7 @@ class LiveSource(Source):
 
     live = True
     endless = True
+    coded = True
 
     def __init__(self, request: SourceRequest, clock: Clock, stop: threading.Event) -> None:
         super().__init__(request, clock, stop)
@@ -44,7 +45,7 @@ class LiveSource(Source):
             ok, image = self._capture.retrieve()
             if ok:
                 self._last_us = t_us
-                return Frame(luminance(image), t_us)
+                return Frame(luminance(image), t_us, gamma=self.gamma)
         raise SourceError(f"{self.request.shown}: {DAMAGED_LIMIT} damaged frames in a row; check the link")
 
     def close(self) -> None:

@@ -43,8 +43,9 @@ class MemorySource(RecordedSource):
             frames=len(images),
             backend=None,
             clock="recording",
+            levels=self.levels,
         )
 
     def _take(self) -> Iterator[Frame]:
         for image, t_us in zip(self._images, self._t_us.tolist(), strict=True):
-            yield Frame(image, t_us)
+            yield Frame(image, t_us, gamma=self.gamma)

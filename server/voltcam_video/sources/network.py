@@ -40,6 +40,7 @@ class NetworkSource(LiveSource):
             frames=None,
             backend=self._capture.getBackendName(),
             clock="arrival",
+            levels=self.levels,
         )
 
     @classmethod

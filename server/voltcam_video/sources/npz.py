@@ -57,6 +57,7 @@ class NpzSource(RecordedSource):
             frames=self._frames.shape[0],
             backend=None,
             clock="recording",
+            levels=self.levels,
         )
 
     @classmethod
@@ -109,7 +110,8 @@ class NpzSource(RecordedSource):
                 images = rows(file, header)
                 for i, (image, t_us) in enumerate(zip(images, self._t_us.tolist(), strict=True)):
                     self._check_values(image, i)
-                    yield Frame(luminance(image[..., ::-1] if image.ndim == 3 else image), t_us)
+                    grey = luminance(image[..., ::-1] if image.ndim == 3 else image)
+                    yield Frame(grey, t_us, gamma=self.gamma)
         except DAMAGED as error:
             raise SourceError(
                 f"{self._path}: damaged: {i} of {self._frames.shape[0]} frames read ({error}); write it again"

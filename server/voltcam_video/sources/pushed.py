@@ -8,6 +8,7 @@ import threading
 import time
 from dataclasses import dataclass, replace
 
+import numpy as np
 import zmq
 
 from voltcam_client.errors import PacketError
@@ -59,7 +60,7 @@ class PushedSource(Source):
     """It listens. Each frame that comes is answered once, when its outcome is known.
 
     After one whose sender waits, none is taken before that. Of those whose senders do not wait, the newest
-    goes on.
+    goes on. Grey levels of 8 bit are taken as coded, finer ones as light.
     """
 
     live = True
@@ -81,6 +82,7 @@ class PushedSource(Source):
             frames=None,
             backend="ZeroMQ",
             clock="sender",
+            levels=self.levels,
         )
         endpoint = self._endpoint()
         self._context = zmq.Context()
@@ -172,8 +174,10 @@ class PushedSource(Source):
         self._under_way.append(under_way)
         self.granted["width"], self.granted["height"] = message.size
         self.granted["pixel_format"] = message.header.encoding
+        self.coded = image.dtype == np.uint8  # finer ones are light: nobody has a screen for them
+        self.granted["levels"] = self.levels
         sent = Sent(under_way.wait, missed, lambda outcome: self._outcomes.put((under_way, outcome)))
-        return Frame(image, message.header.t_us, cut=begin, sent=sent)
+        return Frame(image, message.header.t_us, cut=begin, sent=sent, gamma=self.gamma)
 
     def _receive(self) -> _Message | None:
         """The next message, in order; None where it was refused."""

@@ -3,6 +3,7 @@
 import threading
 from abc import abstractmethod
 from collections.abc import Callable, Generator, Iterator
+from dataclasses import replace
 
 from voltcam_video.clock import Clock
 from voltcam_video.frame import Frame
@@ -78,7 +79,7 @@ def _moved(frame: Frame, t_us: int, cut: bool, first_us: int) -> Frame:
     if events is not None and t_us != frame.t_us:
         events = events.copy()
         events["t"] += t_us - frame.t_us
-    return Frame(frame.image, t_us, cut, events, frame.t_us - first_us)
+    return replace(frame, t_us=t_us, cut=cut, events=events, position_us=frame.t_us - first_us)
 
 
 class RecordedSource(Source):

@@ -151,7 +151,9 @@ class SceneSource(RecordedSource):
     endless = True
 
     def __init__(self, request: SourceRequest, clock: Clock, stop: threading.Event) -> None:
-        super().__init__(request, clock, stop)
+        # It begins where it is to begin at once: drawing all before that could take for ever.
+        super().__init__(request.model_copy(update={"start_s": 0.0}), clock, stop)
+        self.request = request
         self._width, self._height = request.width or WIDTH, request.height or HEIGHT
         if self._width * self._height > MOST_PIXELS:
             raise SourceError(
@@ -168,6 +170,7 @@ class SceneSource(RecordedSource):
             frames=None,
             backend=None,
             clock="recording",
+            levels=self.levels,
         )
 
     @classmethod
@@ -175,6 +178,6 @@ class SceneSource(RecordedSource):
         return request.uri == "scene"
 
     def _take(self) -> Iterator[Frame]:
-        for i in count():
+        for i in count(math.ceil(self.request.start_s % (PERIOD_US / 1e6) * self._fps)):
             t_us = round(i * 1e6 / self._fps)
-            yield Frame(render(t_us, self._width, self._height), t_us)
+            yield Frame(render(t_us, self._width, self._height), t_us, gamma=self.gamma)

@@ -7,6 +7,7 @@ from typing import Literal, Self, TypedDict
 
 from voltcam_video.clock import Clock
 from voltcam_video.frame import Frame
+from voltcam_video.light import gamma_of
 from voltcam_video.request import SourceRequest
 
 
@@ -21,6 +22,7 @@ class Granted(TypedDict):
     duration.
     clock: where the stamps come from. kernel: the driver's, of the moment of capture; arrival: when we got
     the frame; recording: the recording's own; sender: of the program that sends them.
+    levels: what grey levels are taken for, see `SourceRequest`.
     """
 
     kind: str
@@ -32,6 +34,7 @@ class Granted(TypedDict):
     frames: int | None
     backend: str | None
     clock: Literal["kernel", "arrival", "recording", "sender"]
+    levels: Literal["light", "video"]
 
 
 class Source(ABC):
@@ -39,12 +42,14 @@ class Source(ABC):
 
     live: comes from outside and may come back after an error, as a camera or stream does; reads never end,
     they raise SourceError. A recording ends with None. endless: does not end by itself, as live ones and the
-    scene. expects: it is open before there is a frame, and waits for as long as it takes.
+    scene. expects: it is open before there is a frame, and waits for as long as it takes. coded: its grey
+    levels are coded for screens.
     """
 
     live: bool
     endless: bool = False
     expects: bool = False
+    coded: bool = False
     granted: Granted
 
     @classmethod
@@ -57,6 +62,16 @@ class Source(ABC):
         self.request = request
         self.clock = clock
         self.stop = stop
+
+    @property
+    def gamma(self) -> float:
+        """Exponent from its grey levels to light."""
+        return gamma_of(self.request.levels, self.coded)
+
+    @property
+    def levels(self) -> Literal["light", "video"]:
+        """What its grey levels are taken for."""
+        return "light" if self.gamma == 1 else "video"
 
     @abstractmethod
     def read(self) -> Frame | None:

@@ -4,7 +4,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..effect import About, Band, Effect, quantity
+from ..effect import About, Band, Effect, Image, quantity
 from ..exponential import power_of_e
 from ..kernel import kernel
 from ..logarithm import logarithm
@@ -20,8 +20,9 @@ class InputResponse(Effect):
     steady: ClassVar[bool] = True
 
     gamma_exponent: float = quantity(
-        1.0, unit="1", ge=0.2, le=5, meaning="exponent from grey levels to light; 1: they are light already",
-        source="2.2 of ITU-R BT.1886 and sRGB video is typical",
+        1.0, unit="1", ge=0.2, le=11,
+        meaning="exponent from grey levels to light; 1: they are light already",
+        source="2.2 of ITU-R BT.1886 and sRGB video is typical, and may come on top of a camera's own",
     )  # fmt: skip
     black_level_dn: float = quantity(
         0.0, unit="DN", ge=0, le=200, meaning="grey level of no light",
@@ -33,9 +34,20 @@ class InputResponse(Effect):
         return self.gamma_exponent != 1 or self.black_level_dn > 0
 
     def see(self, band: Band) -> None:
+        band.apply(decode, band.light, *self._decoding)
+
+    def light_of(self, image: Image) -> Image:
+        """The light of grey levels (height, width)."""
+        if not self.active:
+            return image
+        light = image.ravel().astype(np.float32)
+        decode(light, *self._decoding)
+        return light.reshape(image.shape)
+
+    @property
+    def _decoding(self) -> tuple[np.float32, np.float32, np.float32]:
         gain = 1 / (_WHITE - self.black_level_dn)
-        black, gamma = np.float32(self.black_level_dn), np.float32(self.gamma_exponent)
-        band.apply(decode, band.light, black, np.float32(gain), gamma)
+        return np.float32(self.black_level_dn), np.float32(gain), np.float32(self.gamma_exponent)
 
 
 @kernel

@@ -25,7 +25,7 @@ class Daemon:
     def __init__(self, *arguments: str, folder: Path | None = None) -> None:
         self.http, self.zmq = (f"127.0.0.1:{free_port()}" for _ in range(2))
         self.url = f"http://{self.http}/"
-        self.arguments = arguments or ("--zmq", f"tcp://{self.zmq}")
+        self.arguments = arguments if "--config" in arguments else ("--zmq", f"tcp://{self.zmq}", *arguments)
         self.folder = folder or Path()
         self.start()
 

@@ -110,7 +110,7 @@ def test_several_cameras_are_chosen_from(browser: Browser, tmp_path: Path) -> No
     ports = [free_port() for _ in range(2)]
     config = tmp_path / "rig.yaml"
     zmq = [f"{{zmq: 'tcp://127.0.0.1:{port}'}}" for port in ports]
-    config.write_text(f"cameras: {{left: {zmq[0]}, right: {zmq[1]}}}")
+    config.write_text(f"camera: typical\ncameras: {{left: {zmq[0]}, right: {zmq[1]}}}")
     rig = Daemon("--config", str(config))
     page = browser.new_page()
     try:

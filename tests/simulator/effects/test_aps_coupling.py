@@ -105,7 +105,7 @@ def test_every_kick_comes_once_however_time_is_cut(pieces: int) -> None:
 
 def test_a_kick_on_the_very_boundary_of_two_intervals_comes_once() -> None:
     """Rows of 40 us and intervals that end with each; a kick of half a threshold sets off an eighth of
-    the pixels, whose voltages have the tent, in both bands of rows that a sensor of this width is worked in."""
+    the pixels, whose voltages have the tent, in both bands of rows that a sensor so wide is worked in."""
     on_the_grid = {"row_us": 40, "offset_us": 0, "readout_kick": 0.5}
     parameters = only(aps_coupling={**FRAME, **on_the_grid})
     simulator = Simulator(400, HEIGHT, parameters, seed=5)

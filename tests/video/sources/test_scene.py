@@ -66,3 +66,12 @@ def test_source_keeps_the_size_and_rate_asked_for() -> None:
         assert source.granted["fps"] == 250
     assert [frame.t_us for frame in frames if frame] == [0, 4000, 8000]
     assert all(frame and frame.image.shape == (48, 64) for frame in frames)
+
+
+def test_it_begins_years_on_without_drawing_what_is_before() -> None:
+    late = scene.PERIOD_US * 1_000_000 + 3_000_000
+    request = SourceRequest(uri="scene", width=64, height=48, fps=10_000, pace="fast", start_s=late / 1e6)
+    with open_source(request) as source:
+        frame = source.read()
+    assert frame is not None
+    np.testing.assert_array_equal(frame.image, scene.render(3_000_000, 64, 48))
