@@ -217,7 +217,7 @@ class Emulator:
     @property
     def state(self) -> tuple[State, str]:
         """How it is, and why where that is not "running"."""
-        source, busy, trouble = self._capture.state, self._busy, self.simulation.load.trouble
+        source, busy, trouble = self._capture.state, self._busy, self.simulation.load.words
         if source.state == "reconnecting":
             return "source lost", source.message
         if source.state == "ended":
@@ -229,7 +229,7 @@ class Emulator:
         if busy and (stalled_s := time.monotonic() - busy[1]) > STALLED_S:
             return "stalled", f"one interval has been simulated for {stalled_s:.0f} s: put parameters back"
         if trouble:
-            return "overloaded", f"{trouble}; the load is {self.simulation.load.ratio:.3g}"
+            return "overloaded", trouble
         return "running", ""
 
     @property

@@ -50,7 +50,7 @@ class Load:
     def __init__(self) -> None:
         self._ratio = 0.0
         self._periods = 0.0
-        self._trouble = ("", -math.inf)
+        self._trouble = ("", 0.0, -math.inf)
 
     def worked(self, took_s: float, span_us: float, missed: int = 0) -> None:
         """An interval has been simulated, within which so many frames were dropped."""
@@ -60,7 +60,7 @@ class Load:
 
     def skipped(self, why: str) -> None:
         """Something was left out just now."""
-        self._trouble = (why, time.monotonic())
+        self._trouble = (why, self._ratio, time.monotonic())
 
     def dropped(self) -> None:
         """Frames were left out just now, for want of time."""
@@ -74,8 +74,13 @@ class Load:
     @property
     def trouble(self) -> str:
         """Why something was left out in the last seconds; empty when nothing was."""
-        why, at_s = self._trouble
+        why, _, at_s = self._trouble
         return why if time.monotonic() - at_s < RECENT_S else ""
+
+    @property
+    def words(self) -> str:
+        """The same, with the load of then: it may be over by now."""
+        return f"{self.trouble}; the load was {self._trouble[1]:.3g}" if self.trouble else ""
 
 
 def _recent(before: float, now: float) -> float:
