@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from voltcam_client.cli_arguments import seconds
+from voltcam_client.datagrams import DatagramForm
 from voltcam_client.formats import SUFFIXES
 from voltcam_simulator import Device, Law, camera_names
 from voltcam_simulator.parameters import merged
@@ -65,6 +66,12 @@ examples:
         metavar="HOST:PORT",
         help="DV streams, for dv-processing: events there, frames on the next port; off: none "
         "(default: 127.0.0.1:7777)",
+    )
+    out.add_argument("--udp", metavar="HOST:PORT", help="events as datagrams, sent there (default: not)")
+    out.add_argument(
+        "--udp-form",
+        choices=get_args(DatagramForm),
+        help="of datagrams: faery's, or AEStream's, which has no times (default: t32_x16_y15_on1)",
     )
     out.add_argument(
         "--frames",
@@ -226,7 +233,19 @@ def _given(args: argparse.Namespace) -> dict[str, Any]:
     given = {key: value for key, value in vars(args).items() if value is not None}
     content: dict[str, Any] = {
         key: given[key]
-        for key in ("camera", "law", "device", "seed", "upsample", "http", "zmq", "dv", "encoding")
+        for key in (
+            "camera",
+            "law",
+            "device",
+            "seed",
+            "upsample",
+            "http",
+            "zmq",
+            "dv",
+            "udp",
+            "udp_form",
+            "encoding",
+        )
         if key in given
     }
     source = {key: given[key] for key in SOURCE_FIELDS if key in given}

@@ -2,6 +2,7 @@
 
 from .dv import DvTransport
 from .transport import ClientStatus, Transport, TransportStatus
+from .udp import UdpTransport as UdpTransport
 from .websocket import WebSocketTransport
 from .zeromq import ZeroMQTransport
 
