@@ -15,10 +15,9 @@ import numpy as np
 import pytest
 from tests.client.commands import assert_one_line, start
 from tests.client.conftest import Publisher
-from tests.ports import free_port
 from tests.roscore import Ros1, needs_ros1, ros1_running
 
-from voltcam_client import EventCamera, FrameMessage, Packet, cli
+from voltcam_client import EventCamera, FrameMessage, Packet
 from voltcam_client.encodings import ENCODINGS, EVENT, Events
 from voltcam_client.packet import TOPIC_EVENTS, TOPIC_FRAMES
 from voltcam_client.ros1 import RosError
@@ -277,17 +276,6 @@ def test_it_ends_well_on_a_signal(ros1: Ros1, running_camera: str, number: signa
     _, error = process.communicate(timeout=20)
     assert process.returncode == 0, error
     assert "/dvs/events" not in ros1.run("rostopic", "list").stdout
-
-
-def test_no_roscore_is_said_in_a_line(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("ROS_MASTER_URI", f"http://127.0.0.1:{free_port()}")
-    assert cli.main(["ros1"]) == 1
-    error = capsys.readouterr().err
-    assert_one_line(error)
-    assert "no roscore: nobody answers at http://127.0.0.1" in error
-    assert "set ROS_MASTER_URI" in error
 
 
 def test_it_ends_with_the_roscore(tmp_path: Path, running_camera: str) -> None:
