@@ -35,17 +35,20 @@ class Node:
         self._handshakes = threading.BoundedSemaphore(HANDSHAKES_AT_ONCE)
         self._master_pid = self._greet()
         host = names.own_host()
-        self._listener = socket.create_server((bind_address(host), 0))
+        self._listener: socket.socket | None = None  # of subscribers
         self._server = RpcServer(bind_address(host), self._methods())
         self._host, self.uri = host, f"http://{host}:{self._server.port}/"
-        for run in (self._accept, self._watch):
-            threading.Thread(target=run, name="voltcam-ros1-node", daemon=True).start()
+        threading.Thread(target=self._watch, name="voltcam-ros1-watch", daemon=True).start()
 
     def advertise(self, topic: str, kind: str, queue_size: int) -> Publication:
         """Publish a topic of this type from now on. Raises RosError."""
         whole = self.names.resolved(topic)
         publication = Publication(self.names.node, whole, message_type(kind), queue_size)
         self._publications[whole] = publication
+        if self._listener is None:
+            self._listener = socket.create_server((bind_address(self._host), 0))
+            accept = threading.Thread(target=self._accept, args=(self._listener,), daemon=True)
+            accept.start()
         self._ask("registerPublisher", whole, kind, self.uri)
         return publication
 
@@ -73,9 +76,10 @@ class Node:
                 self._ask("unregisterPublisher", topic, self.uri)
             for topic in self._subscriptions:
                 self._ask("unregisterSubscriber", topic, self.uri)
-        with contextlib.suppress(OSError):
-            self._listener.shutdown(socket.SHUT_RDWR)  # wakes `accept`
-        self._listener.close()
+        if self._listener is not None:
+            with contextlib.suppress(OSError):
+                self._listener.shutdown(socket.SHUT_RDWR)  # wakes `accept`
+            self._listener.close()
         self._server.close()
         for publication in self._publications.values():
             publication.close()
@@ -110,10 +114,10 @@ class Node:
             if missed >= MISSED:
                 self._ended = f"the roscore at {self.names.master} has ended: start it, and then this again"
 
-    def _accept(self) -> None:
+    def _accept(self, listener: socket.socket) -> None:
         while not self._stop.is_set():
             try:
-                connection, _ = self._listener.accept()
+                connection, _ = listener.accept()
             except OSError:
                 if self._stop.wait(WATCH_S):  # closed; else too many files are open
                     return
@@ -168,7 +172,7 @@ class Node:
         return 0
 
     def _request_topic(self, caller: str, topic: str, protocols: list[list[Any]]) -> list[Any]:
-        if topic not in self._publications:
+        if topic not in self._publications or self._listener is None:
             raise ValueError(f"{self.names.node} does not publish that")
         if not any(protocol[:1] == ["TCPROS"] for protocol in protocols):
             raise ValueError("TCPROS only")

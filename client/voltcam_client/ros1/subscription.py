@@ -5,6 +5,7 @@ import socket
 import threading
 from collections import deque
 from collections.abc import Sequence
+from typing import NamedTuple
 
 from voltcam_client.ros1 import RosError
 from voltcam_client.ros1.message_types import MessageType
@@ -13,7 +14,16 @@ from voltcam_client.ros1.xml_rpc import call
 
 CONNECT_S = 5.0
 AGAIN_S, LONGEST_AGAIN_S = 0.1, 2.0
-MOST_PUBLISHERS = 8
+MOST_PUBLISHERS = 16
+"""The newest: a roscore keeps those that died, and names them first."""
+
+
+class Received(NamedTuple):
+    """kind: the name of its type. body: as it came. dropped: how many were since the one before."""
+
+    kind: str
+    body: bytes
+    dropped: int
 
 
 class Subscription:
@@ -35,17 +45,17 @@ class Subscription:
     def publishers(self) -> list[str]:
         return list(self._links)
 
-    def receive(self, timeout_s: float) -> tuple[str, bytes, int] | None:
-        """Type and body of the oldest message that waits, and how many were dropped since the one before.
+    def receive(self, timeout_s: float) -> Received | None:
+        """The oldest message that waits; None where none comes within that time.
 
-        None where none comes within that time. Raises RosError once for what a publisher said that is wrong.
+        Raises RosError once for what a publisher said that is wrong.
         """
         with self._changed:
             if not self._queue and self._fault is None:
                 self._changed.wait(timeout_s)
             if self._queue:
                 dropped, self._dropped = self._dropped, 0
-                return *self._queue.popleft(), dropped
+                return Received(*self._queue.popleft(), dropped)
             fault, self._fault = self._fault, None
         if fault is not None:
             raise fault
@@ -53,7 +63,7 @@ class Subscription:
 
     def update(self, uris: Sequence[str]) -> None:
         """These nodes publish it, as the roscore says."""
-        wanted = [uri for uri in dict.fromkeys(uris) if isinstance(uri, str)][:MOST_PUBLISHERS]
+        wanted = [uri for uri in dict.fromkeys(uris) if isinstance(uri, str)][-MOST_PUBLISHERS:]
         with self._changed:
             for uri in set(self._links) - set(wanted):
                 self._links.pop(uri).close()

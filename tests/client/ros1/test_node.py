@@ -13,7 +13,7 @@ from voltcam_client.ros1 import RosError, node
 from voltcam_client.ros1.message_types import message_type
 from voltcam_client.ros1.names import Names
 from voltcam_client.ros1.node import Node
-from voltcam_client.ros1.subscription import Subscription
+from voltcam_client.ros1.subscription import Received, Subscription
 from voltcam_client.ros1.tcpros import encode_fields, receive_fields, receive_message
 from voltcam_client.ros1.xml_rpc import call
 
@@ -70,6 +70,17 @@ def test_a_publisher_that_comes_again_is_received_again(master: Master) -> None:
                 until(lambda: publication.wanted)  # noqa: B023
                 publication.publish(bytes([number] * 8))
                 assert next_of(subscription) == bytes([number] * 8)
+
+
+def test_publishers_that_died_are_in_nobody_s_way(master: Master) -> None:
+    """A roscore keeps them, and names them first."""
+    master.publishers["/clock"] += [f"http://127.0.0.1:{port}/" for port in range(1, 41)]
+    with Node(master.names("b")) as other, Node(master.names("a")) as one:
+        subscription = other.subscribe("clock", (CLOCK,), 10, 100)
+        publication = one.advertise("clock", CLOCK, 10)
+        until(lambda: publication.wanted)
+        publication.publish(bytes(8))
+        assert next_of(subscription) == bytes(8)
 
 
 def test_of_what_is_not_taken_the_oldest_goes(master: Master) -> None:
@@ -203,7 +214,7 @@ def test_what_a_publisher_says_that_is_none(master: Master, said: bytes, greet: 
         bad.close()
 
 
-def _quietly(subscription: Subscription) -> tuple[str, bytes, int] | None:
+def _quietly(subscription: Subscription) -> Received | None:
     with contextlib.suppress(RosError):
         return subscription.receive(0.1)
     return None
