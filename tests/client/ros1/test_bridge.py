@@ -19,6 +19,7 @@ from tests.roscore import Ros1, needs_ros1, ros1_running
 
 from voltcam_client import EventCamera, FrameMessage, Packet
 from voltcam_client.encodings import ENCODINGS, EVENT, Events
+from voltcam_client.formats import read
 from voltcam_client.packet import TOPIC_EVENTS, TOPIC_FRAMES
 from voltcam_client.ros1 import RosError
 from voltcam_client.ros1.bridge import Bridge, BridgeSettings
@@ -145,6 +146,24 @@ def test_arrays_hold_the_same_events(ros1: Ros1, publisher: Publisher) -> None:
         assert theirs["header"]["stamp"] == ours.time_base_ns
         assert (theirs["height"], theirs["width"]) == (260, 346)
         assert of_array(theirs).tobytes() == ours.events.tobytes()
+
+
+@pytest.mark.parametrize("events", ["packet", "array"])
+def test_rosbag_records_what_comes(ros1: Ros1, publisher: Publisher, events: Any, tmp_path: Path) -> None:
+    """It is written in C++: the other library that speaks ROS 1."""
+    sent, bag = packets(20, 300), tmp_path / "a.bag"
+    with bridging(ros1, publisher.url, BridgeSettings(events=events)) as node:
+        command = ["rosbag", "record", "--limit", str(len(sent)), "-O", str(bag), "/dvs/events"]
+        recorder = subprocess.Popen(command, env=ros1.environment, stdout=subprocess.DEVNULL)
+        try:
+            until_connected(node.uri, ["/dvs/events"])
+            publisher.wait_for_subscribers(TOPIC_EVENTS)
+            publisher.send(*sent)
+            assert recorder.wait(60) == 0
+        finally:
+            recorder.kill()
+            recorder.wait()
+    assert read(bag).events.tobytes() == b"".join(packet.events.tobytes() for packet in sent)
 
 
 def frame(seq: int) -> FrameMessage:
