@@ -1,7 +1,6 @@
 """A camera on the topics of a roscore, heard by rospy in another process, with genpy's classes."""
 
 import json
-import signal
 import subprocess
 import threading
 import time
@@ -13,9 +12,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.client.commands import assert_one_line, start
 from tests.client.conftest import Publisher
-from tests.roscore import Ros1, needs_ros1, ros1_running
+from tests.roscore import Ros1, needs_ros1
 
 from voltcam_client import EventCamera, FrameMessage, Packet
 from voltcam_client.encodings import ENCODINGS, EVENT, Events
@@ -241,70 +239,6 @@ def test_a_calibration_of_another_size_is_said(ros1: Ros1, publisher: Publisher)
         deadline = time.monotonic() + 30
         with pytest.raises(RosError, match="640 x 480 pixels, and the camera has 40 x 30"):
             bridge.run(lambda: time.monotonic() > deadline)
-
-
-def last_line(text: str) -> str:
-    """Before it there may be words that nothing came for a while, on a machine that was held up."""
-    return text.splitlines(keepends=True)[-1]
-
-
-def node_started(*arguments: str, ros1: Ros1) -> subprocess.Popen[str]:
-    """`voltcam ros1`, ready."""
-    keep = {key: value for key, value in ros1.environment.items() if key.startswith("ROS")}
-    prelude = f"import os; os.environ.update({keep!r}); "
-    process = start("ros1", *arguments, prelude=prelude)
-    assert process.stdout is not None
-    line = process.stdout.readline()
-    assert line.startswith("/"), process.communicate()
-    return process
-
-
-def test_programs_of_ros_know_the_topics(ros1: Ros1, running_camera: str) -> None:
-    process = node_started(running_camera, "--messages", "array", "__name:=eye", "--clock", ros1=ros1)
-    try:
-        for topic, kind in (
-            ("/dvs/events", ARRAYS),
-            ("/dvs/image_raw", "sensor_msgs/Image"),
-            ("/dvs/camera_info", "sensor_msgs/CameraInfo"),
-            ("/dvs/imu", "sensor_msgs/Imu"),
-            ("/clock", "rosgraph_msgs/Clock"),
-        ):
-            assert ros1.run("rostopic", "type", topic).stdout.strip() == kind
-        echo = ros1.run("rostopic", "echo", "-n", "2", "/dvs/image_raw").stdout
-        assert 'encoding: "mono8"' in echo
-        assert echo.count("---") == 2
-        assert (
-            "average rate: "
-            in ros1.run("timeout", "-s", "INT", "4", "rostopic", "hz", "/dvs/events", check=False).stdout
-        )
-        assert "/dvs/events" in ros1.run("rosnode", "info", "/eye").stdout
-        ros1.run("rosnode", "kill", "/eye")
-        _, error = process.communicate(timeout=20)
-    finally:
-        process.kill()
-        process.wait()
-    assert process.returncode == 1
-    assert_one_line(last_line(error))
-    assert "/eye was told to end" in error
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_it_ends_well_on_a_signal(ros1: Ros1, running_camera: str, number: signal.Signals) -> None:
-    process = node_started(running_camera, ros1=ros1)
-    process.send_signal(number)
-    _, error = process.communicate(timeout=20)
-    assert process.returncode == 0, error
-    assert "/dvs/events" not in ros1.run("rostopic", "list").stdout
-
-
-def test_it_ends_with_the_roscore(tmp_path: Path, running_camera: str) -> None:
-    with ros1_running(tmp_path) as ros1:
-        process = node_started(running_camera, ros1=ros1)
-        ros1.stop()
-        _, error = process.communicate(timeout=30)
-    assert process.returncode == 1
-    assert_one_line(last_line(error))
-    assert "has ended: start it" in error
 
 
 def test_a_daemon_that_is_started_again_is_heard_again(ros1: Ros1, publish: Callable[..., Publisher]) -> None:
