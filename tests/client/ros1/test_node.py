@@ -161,6 +161,22 @@ def test_garbage_at_the_ports_does_no_harm(master: Master) -> None:
         assert next_of(subscription) == bytes(8)
 
 
+def test_those_who_say_nothing_are_let_go(master: Master, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(node, "HANDSHAKE_S", 0.3)
+    with Node(master.names("a")) as one, Node(master.names("b")) as other:
+        publication = one.advertise("clock", CLOCK, 5)
+        _, host, port = call(one.uri, "requestTopic", "/raw", "/clock", [["TCPROS"]])
+        idle = [socket.create_connection((host, port), 10) for _ in range(40)]
+        other.subscribe("clock", (CLOCK,), 5, 100)
+        until(lambda: publication.wanted)
+        for connection in idle:
+            connection.settimeout(10)
+            with contextlib.suppress(ConnectionResetError):
+                while connection.recv(1000):
+                    pass
+            connection.close()
+
+
 class BadPublisher:
     """Says these bytes to who subscribes, after the greeting that it should."""
 

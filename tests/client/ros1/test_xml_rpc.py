@@ -4,6 +4,7 @@ import contextlib
 import socket
 import threading
 import time
+import tracemalloc
 from collections.abc import Callable, Iterator
 from xmlrpc.client import ServerProxy
 from xmlrpc.server import SimpleXMLRPCServer
@@ -103,8 +104,12 @@ def test_an_answer_without_end_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
         for _ in range(1000):
             connection.sendall(bytes(10_000))
 
+    tracemalloc.start()
     with server_of(b"HTTP/1.0 200 OK\r\n\r\n", flood) as uri, pytest.raises(RosError):
         call(uri, "getPid")
+    _, peak_bytes = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak_bytes < 2_000_000
 
 
 def test_an_answer_a_byte_at_a_time_is_not_waited_for() -> None:
@@ -142,6 +147,13 @@ def test_garbage_does_not_stop_the_server(server: RpcServer) -> None:
             while connection.recv(1000):
                 pass
     assert call(f"http://127.0.0.1:{server.port}/", "add", 1, 1) == 2
+
+
+def test_a_call_that_is_too_long_is_refused_before_it_is_read(server: RpcServer) -> None:
+    with socket.create_connection(("127.0.0.1", server.port)) as connection:
+        connection.sendall(b"POST / HTTP/1.0\r\nContent-Length: 1048577\r\n\r\n")
+        connection.settimeout(10)
+        assert connection.recv(1000).startswith(b"HTTP/1.0 413")
 
 
 def test_those_who_hold_connections_are_let_go(server: RpcServer, monkeypatch: pytest.MonkeyPatch) -> None:
