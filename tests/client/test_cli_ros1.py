@@ -38,5 +38,5 @@ def test_no_roscore_is_said_in_a_line(
     monkeypatch.setenv("ROS_MASTER_URI", f"http://127.0.0.1:{free_port()}")
     assert cli.main(["ros1"]) == 1
     assert_one_line(error := capsys.readouterr().err)
-    assert "no roscore: nobody answers at http://127.0.0.1" in error
+    assert "no roscore (nobody answers at http://127.0.0.1" in error
     assert "set ROS_MASTER_URI" in error

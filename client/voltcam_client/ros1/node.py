@@ -99,9 +99,8 @@ class Node:
         try:
             return self._ask("getPid")
         except RosError as error:
-            raise RosError(
-                f"no roscore: {error}: start one (apt install ros-core), or set ROS_MASTER_URI"
-            ) from None
+            remedy = "start one (apt install ros-core), or set ROS_MASTER_URI"
+            raise RosError(f"no roscore ({error}): {remedy}") from None
 
     def _watch(self) -> None:
         """A roscore that was started again does not know this node."""

@@ -259,7 +259,9 @@ def test_it_ends_where_another_has_its_name(master: Master) -> None:
 
 
 def test_without_a_roscore() -> None:
-    with pytest.raises(RosError, match=r"no roscore: .*\(apt install ros-core\)"):
+    with pytest.raises(
+        RosError, match=r"no roscore \(nobody answers .*\): start one \(apt install ros-core\)"
+    ):
         Node(Names.of("a", [], {"ROS_MASTER_URI": "http://127.0.0.1:1"}))
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from voltcam_client.ros1 import RosError
@@ -35,11 +35,13 @@ def test_the_map_of_the_documentation() -> None:
     assert packed[40:45] == b"\x25\0\0\0c"
 
 
+@settings(deadline=None)
 @given(st.dictionaries(st.text(st.characters(codec="ascii", exclude_characters="="), min_size=1), st.text()))
 def test_maps_come_back(fields: dict[str, str]) -> None:
     assert decode_fields(encode_fields(fields)[4:]) == fields
 
 
+@settings(deadline=None)
 @given(st.binary(max_size=200))
 def test_what_is_no_map_is_said(body: bytes) -> None:
     with contextlib.suppress(RosError):
