@@ -70,9 +70,21 @@ def check_rows(encoding: str, width: int, height: int, step: int | None, size: i
 
 def _png_size(data: memoryview) -> tuple[int, int]:
     """The header chunk is the first, at a fixed place (PNG, third edition, 11.2.1)."""
-    if data[:8] != PNG_BEGIN or bytes(data[12:16]) != b"IHDR" or data[-8:] != PNG_END:
+    whole = data[:8] == PNG_BEGIN and bytes(data[12:16]) == b"IHDR" and data[-8:] == PNG_END
+    if not (whole and _chunks_fit(data)):
         raise PacketError(f"{len(data)} bytes are no whole png image")
     return _sane(int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big"), "png")
+
+
+def _chunks_fit(data: memoryview) -> bool:
+    """Whether the chunks of a PNG end where the bytes do: OpenCV takes memory for what a chunk says it has.
+
+    Of a chunk: u32 length, type, so many bytes, check sum (PNG, third edition, 5.3).
+    """
+    at = len(PNG_BEGIN)
+    while at < len(data):
+        at += 12 + int.from_bytes(data[at : at + 4], "big")
+    return at == len(data)
 
 
 def _jpeg_size(data: memoryview) -> tuple[int, int]:
