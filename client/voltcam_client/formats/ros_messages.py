@@ -45,7 +45,9 @@ def from_ros1_array(raw: bytes) -> tuple[Events, tuple[int, int]]:
 
 
 def ros1_header(t_us: int, sequence: int, frame_id: str) -> bytes:
-    """std_msgs/Header."""
+    """std_msgs/Header. Raises ValueError for a time that ROS 1 has not."""
+    if not 0 <= t_us < 1_000_000 << 32:
+        raise ValueError(f"the stamp is {t_us} us: ROS 1 has no times after 2^32 s")
     name = frame_id.encode()
     return struct.pack("<IIII", sequence, *_seconds(t_us), len(name)) + name
 

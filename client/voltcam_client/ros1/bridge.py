@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Literal, TypeVar
 
 from voltcam_client.camera import EventCamera, Stream
-from voltcam_client.errors import VoltcamError
 from voltcam_client.packet import FrameMessage, Packet
 from voltcam_client.ros1 import RosError, messages
 from voltcam_client.ros1.intrinsics import UNKNOWN_INTRINSICS, Intrinsics
@@ -54,7 +53,7 @@ class Bridge:
         self._clock_us = -1
         self._heard_s, self._quiet = time.monotonic(), False
         self._told_s, self._told = time.monotonic(), 0
-        self._failure: VoltcamError | None = None
+        self._failure: Exception | None = None
         self._over = threading.Event()
 
     def run(self, stopped: Callable[[], bool]) -> None:
@@ -89,7 +88,7 @@ class Bridge:
                     message = stream.receive(POLL_S)
                     if message is not None:
                         publish(message)
-            except VoltcamError as error:
+            except Exception as error:  # what the main thread is to raise
                 self._failure = error
                 self._over.set()
 

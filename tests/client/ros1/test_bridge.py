@@ -7,6 +7,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -239,6 +240,23 @@ def test_a_calibration_of_another_size_is_said(ros1: Ros1, publisher: Publisher)
         deadline = time.monotonic() + 30
         with pytest.raises(RosError, match="640 x 480 pixels, and the camera has 40 x 30"):
             bridge.run(lambda: time.monotonic() > deadline)
+
+
+def test_a_time_that_ros_has_not_ends_it_in_a_line(ros1: Ros1, publisher: Publisher) -> None:
+    (packet,) = packets(1, 0)
+    late = replace(packet, time_base_ns=10**9 << 32)
+    with EventCamera(publisher.url) as camera, Node(Names.of("voltcam", [], ros1.environment)) as node:
+        bridge = Bridge(node, camera, BridgeSettings())
+        peer = ros1.peer("subscriber", "1", "/dvs/events", EVENTS)
+        try:
+            until_connected(node.uri, ["/dvs/events"])
+            threading.Timer(0.5, publisher.send, [late]).start()
+            deadline = time.monotonic() + 30
+            with pytest.raises(ValueError, match=r"ROS 1 has no times after 2\^32 s"):
+                bridge.run(lambda: time.monotonic() > deadline)
+        finally:
+            peer.kill()
+            peer.communicate()
 
 
 def test_a_daemon_that_is_started_again_is_heard_again(ros1: Ros1, publish: Callable[..., Publisher]) -> None:
