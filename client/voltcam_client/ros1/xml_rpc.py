@@ -101,7 +101,7 @@ class _Handler(SimpleXMLRPCRequestHandler):
             return
         super().do_POST()
 
-    def log_message(self, *_: object) -> None:
+    def log_message(self, format: str, *args: object) -> None:
         """Whoever sends garbage does not fill this machine's log."""
 
     def decode_request_content(self, data: bytes) -> bytes | None:
