@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from importlib import metadata
 from typing import Any
 
-from voltcam_client import cli_biases, cli_dv, cli_keys, cli_listen, cli_record, cli_status
+from voltcam_client import cli_biases, cli_dv, cli_keys, cli_listen, cli_record, cli_ros1, cli_status
 
 SUMMARIES = {
     "serve": "run the camera: live video in, events out",
@@ -37,6 +37,7 @@ OWN_COMMANDS = {
         cli_biases.configure,
     ),
     "dv": ("run a program of dv-processing on the emulator", cli_dv.configure),
+    "ros1": ("publish a running camera to ROS 1", cli_ros1.configure),
     "keys": ("make keys that open a camera's stream to few", cli_keys.configure),
 }
 

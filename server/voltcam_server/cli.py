@@ -47,7 +47,7 @@ examples:
         "--source",
         metavar="URI",
         help="scene (built in), a camera (0 or /dev/video0), a video file, a folder with images.txt, "
-        "an .npz, or a stream (rtsp://, http://, udp://)",
+        "an .npz, a stream (rtsp://, http://, udp://), or ros1:TOPIC",
     )
     source.add_argument("--loop", action="store_true", default=None, help="play a recording again and again")
     source.add_argument(

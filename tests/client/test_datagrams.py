@@ -1,4 +1,4 @@
-"""Events in datagrams: lengths, limits, bits. Readers of others are in `tests/server/transports/test_udp.py`."""
+"""Events in datagrams: lengths, limits, bits. Readers of others: `tests/server/transports/test_udp.py`."""
 
 import numpy as np
 import pytest

@@ -49,3 +49,13 @@ def test_every_field_is_described_for_editors_and_the_page() -> None:
 )
 def test_passwords_are_not_shown(uri: str, shown: str) -> None:
     assert SourceRequest(uri=uri).shown == shown
+
+
+@pytest.mark.parametrize("uri", ["ros1:/camera/image_raw", "ros1:camera"])
+def test_a_topic_is_no_file(uri: str) -> None:
+    request = SourceRequest(uri=uri)
+    assert (request.topic, request.path, request.device) == (uri[5:], None, None)
+
+
+def test_a_file_is_no_topic() -> None:
+    assert SourceRequest(uri="camera.npz").topic is None

@@ -13,12 +13,12 @@ from voltcam_client.errors import VoltcamError
 from voltcam_client.formats.recording import FormatError
 
 
-def library(name: str, path: Path, what: str = "reading") -> Any:
-    """The module, which is in the extra [lab]; FormatError says so where it is not; what: for which."""
+def library(name: str, path: Path, what: str = "reading", extra: str = "lab") -> Any:
+    """The module, which is in this extra; FormatError says so where it is not; what: for which."""
     try:
         return importlib.import_module(name)
     except ImportError as error:
-        raise FormatError(f"{path}: {what} it takes {name}: pip install 'voltcam[lab]'") from error
+        raise FormatError(f"{path}: {what} it takes {name}: pip install 'voltcam[{extra}]'") from error
 
 
 @contextlib.contextmanager

@@ -15,12 +15,13 @@ ARRAY = "dvs_msgs/msg/EventArray"
 PACKET = "event_camera_msgs/msg/EventPacket"
 IMAGE = "sensor_msgs/msg/Image"
 
-_FIELDS = {
+DEFINITIONS = {
     PACKET: "std_msgs/Header header\nuint32 height\nuint32 width\nuint64 seq\nuint64 time_base\n"
     "string encoding\nbool is_bigendian\nuint8[] events",
     "dvs_msgs/msg/Event": "uint16 x\nuint16 y\nbuiltin_interfaces/Time ts\nbool polarity",
     ARRAY: "std_msgs/Header header\nuint32 height\nuint32 width\ndvs_msgs/Event[] events",
 }
+"""The fields of messages that a ROS installation may lack, as ROS 2 writes them."""
 
 # An event as ROS 1 packs it, and as CDR aligns it from the second one on.
 _ROS1_EVENT = np.dtype([("x", "<u2"), ("y", "<u2"), ("s", "<u4"), ("ns", "<u4"), ("p", "u1")])
@@ -31,7 +32,7 @@ _CDR_EVENT = np.dtype(
 
 def register(store: Any, typesys: Any) -> None:
     """Make the messages of events known to a rosbags typestore."""
-    for name, fields in _FIELDS.items():
+    for name, fields in DEFINITIONS.items():
         if name not in store.types:
             store.register(typesys.get_types_from_msg(fields, name))
 
@@ -43,13 +44,19 @@ def from_ros1_array(raw: bytes) -> tuple[Events, tuple[int, int]]:
     return _as_events(np.frombuffer(raw, _ROS1_EVENT, count, start + 12)), (width, height)
 
 
+def ros1_header(t_us: int, sequence: int, frame_id: str) -> bytes:
+    """std_msgs/Header. Raises ValueError for a time that ROS 1 has not."""
+    if not 0 <= t_us < 1_000_000 << 32:
+        raise ValueError(f"the stamp is {t_us} us: ROS 1 has no times after 2^32 s")
+    name = frame_id.encode()
+    return struct.pack("<IIII", sequence, *_seconds(t_us), len(name)) + name
+
+
 def ros1_array(
     events: Events, t_us: int, sequence: int, frame_id: str, width: int, height: int
 ) -> memoryview:
     """The same the other way, stamped `t_us`."""
-    name = frame_id.encode()
-    head = struct.pack("<IIII", sequence, *_seconds(t_us), len(name)) + name
-    head += struct.pack("<III", height, width, events.size)
+    head = ros1_header(t_us, sequence, frame_id) + struct.pack("<III", height, width, events.size)
     return memoryview(head + _as_rows(events, _ROS1_EVENT).tobytes())
 
 

@@ -8,7 +8,6 @@ import threading
 import time
 from dataclasses import dataclass, replace
 
-import numpy as np
 import zmq
 
 from voltcam_client.errors import PacketError
@@ -174,8 +173,7 @@ class PushedSource(Source):
         self._under_way.append(under_way)
         self.granted["width"], self.granted["height"] = message.size
         self.granted["pixel_format"] = message.header.encoding
-        self.coded = image.dtype == np.uint8  # finer ones are light: nobody has a screen for them
-        self.granted["levels"] = self.levels
+        self._look_at(image)
         sent = Sent(under_way.wait, missed, lambda outcome: self._outcomes.put((under_way, outcome)))
         return Frame(image, message.header.t_us, cut=begin, sent=sent, gamma=self.gamma)
 

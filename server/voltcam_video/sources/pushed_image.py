@@ -3,7 +3,7 @@
 import numpy as np
 
 from voltcam_client.errors import PacketError
-from voltcam_client.pushed_frame import ENCODINGS, FrameHeader, check_size
+from voltcam_client.pushed_frame import ENCODINGS, FrameHeader, PixelLayout, check_size
 from voltcam_video.frame import Image, luminance
 from voltcam_video.opencv import cv2
 
@@ -18,7 +18,7 @@ def size_of(header: FrameHeader, data: memoryview) -> tuple[int, int]:
     if header.encoding in ENCODINGS:
         assert header.width is not None
         assert header.height is not None
-        _check_rows(header, header.width, header.height, len(data))
+        check_rows(header.encoding, header.width, header.height, header.step, len(data))
         return header.width, header.height
     size = _png_size(data) if header.encoding == "png" else _jpeg_size(data)
     said = header.width or size[0], header.height or size[1]
@@ -31,7 +31,8 @@ def size_of(header: FrameHeader, data: memoryview) -> tuple[int, int]:
 def image_of(header: FrameHeader, data: memoryview) -> Image:
     """The luminance of an image whose `size_of` is known. Raises PacketError."""
     if header.encoding in ENCODINGS:
-        return _raw(header, data)
+        width, height = header.width or 0, header.height or 0
+        return image_of_rows(ENCODINGS[header.encoding], width, height, header.step, data)
     try:
         image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
     except cv2.error:  # of some damage only; of most it gives none
@@ -44,35 +45,46 @@ def image_of(header: FrameHeader, data: memoryview) -> Image:
         raise PacketError(f"{header.encoding}: {error}") from None
 
 
-def _raw(header: FrameHeader, data: memoryview) -> Image:
-    layout = ENCODINGS[header.encoding]
-    width, height, channels = header.width or 0, header.height or 0, len(layout.channels)
-    row = width * channels * np.dtype(layout.dtype).itemsize
-    rows = np.frombuffer(data, np.uint8).reshape(height, header.step or row)[:, :row]
-    pixels = np.ascontiguousarray(rows).view(layout.dtype).reshape(height, width, channels)
+def image_of_rows(layout: PixelLayout, width: int, height: int, step: int | None, data: memoryview) -> Image:
+    """The luminance of a raw image, of either byte order, whose rows `check_rows` has seen."""
+    dtype, channels = np.dtype(layout.dtype), len(layout.channels)
+    row = width * channels * dtype.itemsize
+    rows = np.frombuffer(data, np.uint8).reshape(height, step or row)[:, :row]
+    pixels = np.ascontiguousarray(rows).view(dtype).reshape(height, width, channels)
     if channels > 1:
         pixels = pixels[..., [layout.channels.index(channel) for channel in "BGR"]]
-    image = luminance(pixels)
+    image = luminance(pixels.astype(dtype.newbyteorder("="), copy=False))
     return image if image.flags.writeable else image.copy()  # the message is given back
 
 
-def _check_rows(header: FrameHeader, width: int, height: int, size: int) -> None:
-    layout = ENCODINGS[header.encoding]
+def check_rows(encoding: str, width: int, height: int, step: int | None, size: int) -> None:
+    """Raises PacketError where so many bytes are no such rows. step: of bytes; None: rows are not padded."""
+    layout = ENCODINGS[encoding]
     row = width * len(layout.channels) * np.dtype(layout.dtype).itemsize
-    step = row if header.step is None else header.step
+    step = row if step is None else step
     if step < row:
-        raise PacketError(f"step is {step}, but a row of {width} pixels {header.encoding} has {row} bytes")
+        raise PacketError(f"step is {step}, but a row of {width} pixels {encoding} has {row} bytes")
     if size != height * step:
-        raise PacketError(
-            f"{size} bytes are no {height} rows of {step} bytes, {width} pixels {header.encoding}"
-        )
+        raise PacketError(f"{size} bytes are no {height} rows of {step} bytes, {width} pixels {encoding}")
 
 
 def _png_size(data: memoryview) -> tuple[int, int]:
     """The header chunk is the first, at a fixed place (PNG, third edition, 11.2.1)."""
-    if data[:8] != PNG_BEGIN or bytes(data[12:16]) != b"IHDR" or data[-8:] != PNG_END:
+    whole = data[:8] == PNG_BEGIN and bytes(data[12:16]) == b"IHDR" and data[-8:] == PNG_END
+    if not (whole and _chunks_fit(data)):
         raise PacketError(f"{len(data)} bytes are no whole png image")
     return _sane(int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big"), "png")
+
+
+def _chunks_fit(data: memoryview) -> bool:
+    """Whether the chunks of a PNG end where the bytes do: OpenCV takes memory for what a chunk says it has.
+
+    Of a chunk: u32 length, type, so many bytes, check sum (PNG, third edition, 5.3).
+    """
+    at = len(PNG_BEGIN)
+    while at < len(data):
+        at += 12 + int.from_bytes(data[at : at + 4], "big")
+    return at == len(data)
 
 
 def _jpeg_size(data: memoryview) -> tuple[int, int]:

@@ -5,8 +5,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from typing import Literal, Self, TypedDict
 
+import numpy as np
+
 from voltcam_video.clock import Clock
-from voltcam_video.frame import Frame
+from voltcam_video.frame import Frame, Image
 from voltcam_video.light import gamma_of
 from voltcam_video.request import SourceRequest
 
@@ -72,6 +74,11 @@ class Source(ABC):
     def levels(self) -> Literal["light", "video"]:
         """What its grey levels are taken for."""
         return "light" if self.gamma == 1 else "video"
+
+    def _look_at(self, image: Image) -> None:
+        """Of programs that send images of several kinds: those of 8 bits are coded, finer ones are light."""
+        self.coded = image.dtype == np.uint8
+        self.granted["levels"] = self.levels
 
     @abstractmethod
     def read(self) -> Frame | None:

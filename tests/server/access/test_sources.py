@@ -18,7 +18,7 @@ OWN = "rtsp://me:secret@mine.local/front"
     [
         "http://10.0.0.1/", "ftp://elsewhere/a.mp4", "tcp://127.0.0.1:4000?listen=1", "rtsp://good.local@evil/x",
         "file:/etc/passwd", "concat:a.mp4|b.mp4", "/etc/passwd", "/dev/fd/3", "/proc/self/fd/3", "/dev/stdin",
-        "/dev/zero", "data:text/plain,x", "RTSP://good.local/x", "../secret.npz",
+        "/dev/zero", "data:text/plain,x", "RTSP://good.local/x", "../secret.npz", "ros1:/camera/image_raw",
     ],
 )  # fmt: skip
 def test_sources_that_were_not_opened_to_the_network_are_refused(uri: str) -> None:

@@ -75,6 +75,16 @@ def test_a_file_that_claims_too_much_is_refused_before_it_is_decoded() -> None:
         size_of(header("png", None, None), memoryview(bytes(file)))
 
 
+@pytest.mark.parametrize("at", [8, 33])
+@pytest.mark.parametrize("length", [0, 14, 0x7FFFFFFF, 0xC6000000])
+def test_a_chunk_that_says_more_than_there_is_is_refused_before_it_is_decoded(at: int, length: int) -> None:
+    """OpenCV takes 3 GB and 10 s for some such file of 90 bytes."""
+    file = bytearray(cv2.imencode(".png", BGR)[1].tobytes())
+    file[at : at + 4] = length.to_bytes(4, "big")
+    with pytest.raises(PacketError, match="no whole png"):
+        size_of(header("png", None, None), memoryview(bytes(file)))
+
+
 @pytest.mark.parametrize(("size", "step"), [(34, None), (36, None), (35, 6), (49, 10)])
 def test_bytes_that_are_no_such_rows(size: int, step: int | None) -> None:
     with pytest.raises(PacketError, match=r"rows|row of"):
