@@ -39,8 +39,8 @@ def _t32(events: Events) -> NDArray[np.generic]:
 
 
 def _spif(events: Events) -> NDArray[np.generic]:
-    on = events["p"].astype("<u4")
-    return 1 << 31 | events["x"].astype("<u4") << 16 | on << 15 | events["y"]
+    x, on, y = (events[name].astype("<u4") for name in ("x", "p", "y"))
+    return np.asarray(1 << 31 | x << 16 | on << 15 | y)
 
 
 FORMS: dict[DatagramForm, _Form] = {"t32_x16_y15_on1": _Form(176, _t32), "spif": _Form(128, _spif)}
