@@ -32,7 +32,8 @@ MOST_SAMPLES = (
 
 @dataclass(frozen=True, eq=False)
 class Calibrated:
-    """camera: the result. estimates: what was fitted, with intervals; none by the paper's method. refined:
+    """camera: the result. estimates: what was fitted, with intervals that have the camera's
+    values in them; none by the paper's method. refined:
     what was then moved for the camera to behave as the recording; None where nothing was. moved: these, as
     (effect.parameter, by likelihood, now). reading: what of the recording was looked at, all its pixels.
     notes: what a person should know, a line each."""
@@ -54,7 +55,8 @@ class Calibrated:
         lines += [f"# {note}" for note in self.notes]
         if self.estimates:
             lines.append(
-                "# Likeliest: 90 % intervals, and what fixes each, data or only the prior (nothing much):"
+                "# 90 % intervals by likelihood, widened to what a parameter was moved to; and what fixes each, "
+                "data or only the prior (nothing much):"
             )
         for one in self.estimates:
             name = f"{one.effect}.{one.parameter}"
@@ -119,6 +121,9 @@ def camera_from(
             moved = _moved(parameters, refined.parameters) if worth else ()
             notes.append(_told(refined, worth))
             parameters = refined.parameters if worth else parameters
+            estimates = tuple(
+                one.reaching(getattr(getattr(parameters, one.effect), one.parameter)) for one in estimates
+            )
     known: dict[str, Any] = _own(parameters) | _faulty(inspection)
     if temperature_c is not None:
         known["temperature_c"] = temperature_c

@@ -38,6 +38,11 @@ class Estimate:
         """Whether the recording fixes it, rather than what is usual."""
         return self.informed > 0.5
 
+    def reaching(self, value: float) -> "Estimate":
+        """With an interval that has this value in it, too: where another way to ask gave that, the first way's
+        own interval tells too little."""
+        return replace(self, low=min(self.low, value), high=max(self.high, value))
+
     @property
     def rests_on(self) -> str:
         """In a word: "data", "prior", or both."""

@@ -157,6 +157,9 @@ def test_what_behaves_more_alike_is_taken_if_it_is_worth_it(
     assert found.camera.parameters.contrast_response.k1 == (7.0 if taken else 6.123456)
     said = "were moved to behave as the recording does" if taken else "are the likeliest"
     assert said in found.notes[-1]
+    for one in found.estimates:  # a file does not contradict the intervals printed with it
+        value = getattr(getattr(found.camera.parameters, one.effect), one.parameter)
+        assert one.low <= value <= one.high
 
 
 def test_a_recording_of_no_use_is_refused_with_its_fault(monkeypatch: pytest.MonkeyPatch) -> None:
