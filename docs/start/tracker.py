@@ -26,7 +26,7 @@ def frame(t_us):
 
 def record(**changes):
     """A second of events of a DAVIS346 with some parameters changed."""
-    parameters = Parameters.of("davis346").changed(changes)
+    parameters = Parameters.of("typical").changed(changes)
     simulator = Simulator(WIDTH, HEIGHT, parameters, seed=1)
     times_us = range(0, END_US, FRAME_US)
     return np.concatenate([simulator.advance(frame(t_us), t_us) for t_us in times_us])
