@@ -31,7 +31,7 @@ busybox poweroff -f
 
 
 def build(kernel: Kernel, command: str, folder: Path) -> Path:
-    """The packed initramfs, in `folder`, that runs `command` on this machine's files, which it cannot change."""
+    """The packed initramfs, in `folder`; it runs `command` on this machine's files, read only."""
     root = folder / "initramfs"
     shutil.rmtree(root, ignore_errors=True)
     (root / "bin").mkdir(parents=True)

@@ -38,7 +38,7 @@ def check_programs() -> None:
 
 
 def fetch(folder: Path) -> Kernel:
-    """The newest kernel of this Debian; taken from `folder` where it is there already. Raises MissingError."""
+    """The newest kernel of this Debian, from `folder` where it is there already. Raises MissingError."""
     package = _package()
     version = package.removeprefix("linux-image-")
     kernel = Kernel(folder / package, version)

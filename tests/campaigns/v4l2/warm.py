@@ -1,4 +1,4 @@
-"""Compiles, for the guest's processor, what the guest's camera needs: `python -m tests.campaigns.v4l2.warm CAMERA`."""
+"""Compiles what the guest's camera needs for the guest's processor: `python -m ... CAMERA`."""
 
 import sys
 
