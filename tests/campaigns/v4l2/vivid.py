@@ -34,6 +34,11 @@ def disconnect(node: str) -> None:
     control(node, disconnect=0)
 
 
+def stamp_at_exposure(node: str) -> None:
+    """By itself it stamps frames with an end that is yet to come, which a daemon does not believe."""
+    control(node, timestamp_source=1)
+
+
 def draw(node: str, movement: int) -> None:
     """Bars that stand still or move to the right, without the counters over them."""
     control(node, osd_text_mode=NO_TEXT, horizontal_movement=movement)
