@@ -125,7 +125,12 @@ def _busy(daemon: Daemon) -> Tried:
 
 
 def _by_index(daemon: Daemon) -> Tried:
-    """The second node, by its number, as it comes."""
+    """The second node, by a name as udev gives, and by its number, as it comes."""
+    name = Path("/dev/v4l/by-id/usb-camera")
+    name.parent.mkdir(parents=True)
+    name.symlink_to(SECOND)
+    answer = daemon.http.put("source", json={"uri": str(name)})
+    yield "the second node by another name", answer.is_success, answer.text[:80]
     answer = daemon.http.put("source", json={"uri": "1"})
     yield "the second node by its index", answer.is_success, answer.text[:300]
     went_s = until(lambda: daemon.get("status")["state"] == "running", LONG_S)
@@ -152,7 +157,8 @@ def _word(daemon: Daemon) -> tuple[bool, str]:
 
 
 def _again(daemon: Daemon, listener: Listener, what: str, plug: Callable[[], None]) -> Tried:
-    events = listener.events
+    events, listener.gap_us = listener.events, (0, 0)
+    lost_us = time.time_ns() // 1000
     plug()
     back_s = until(lambda: daemon.get("status")["state"] == "running", LONG_S)
     if back_s < LONG_S:
@@ -162,6 +168,9 @@ def _again(daemon: Daemon, listener: Listener, what: str, plug: Callable[[], Non
     yield "the format is asked for again", (granted["width"], granted["fps"]) == (WIDTH, FPS), granted
     came_s = until(lambda: listener.events > events, LONG_S)
     yield "its events, too, at the same subscriber", came_s < LONG_S, f"{came_s:.1f} s"
+    began_us, ended_us = listener.gap_us
+    none = 0 < began_us <= lost_us < ended_us
+    yield "no events of the time between", none, f"{(ended_us - began_us) / 1e6:.1f} s"
 
 
 def _say(what: str, held: bool, saw: object) -> None:

@@ -11,12 +11,15 @@ POLL_S = 0.5
 
 
 class Listener:
-    """Subscribed once, for the whole test: a context manager. Counts are since the start."""
+    """Subscribed once, for the whole test: a context manager. Counts are since the start.
+
+    gap_us: the longest time without events, from the last before to the first after; it may be set back.
+    """
 
     def __init__(self, endpoint: str) -> None:
         self.packets = self.events = self.backwards = 0
-        self.columns = np.zeros(0, np.int64)
         self.last_us = 0
+        self.gap_us = (0, 0)
         self.lost_packets = self.restarts = 0
         self.error: str | None = None
         self._endpoint, self._done = endpoint, threading.Event()
@@ -38,9 +41,11 @@ class Listener:
         if events.size:
             times_us = events["t"].astype(np.int64)
             self.backwards += int(times_us[0] < self.last_us) + int((np.diff(times_us) < 0).sum())
+            gap_us = (self.last_us, int(times_us[0]))
+            if self.last_us and gap_us[1] - gap_us[0] > self.gap_us[1] - self.gap_us[0]:
+                self.gap_us = gap_us
             self.last_us = int(times_us[-1])
             self.events += events.size
-            self.columns = np.union1d(self.columns, events["x"])
 
     def __enter__(self) -> "Listener":
         self._thread.start()
