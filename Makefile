@@ -65,7 +65,7 @@ patches: .venv/installed-dev
 
 # Debian's kernel in QEMU with its test camera, unplugged and plugged in again; says so where that cannot be had.
 v4l2: .venv/installed-dev
-	$(BIN)/python -m tests.campaigns.v4l2
+	$(BIN)/python -m tests.v4l2
 
 # Heavy libraries of others read what Voltcam writes; in an environment of their own.
 interop: .venv-interop/installed

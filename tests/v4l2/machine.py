@@ -9,6 +9,7 @@ from .kernel import Kernel
 
 GUEST_MB, MEMORY_BYTES = 2048, 6_000_000_000
 END_S = 10
+TIMED_OUT = 124  # what `timeout` returns then
 
 
 def boot(kernel: Kernel, initramfs: Path, folder: Path, limit_s: float) -> tuple[list[str], float]:
@@ -18,6 +19,7 @@ def boot(kernel: Kernel, initramfs: Path, folder: Path, limit_s: float) -> tuple
     """
     console, said = folder / "console", folder / "said"
     command = [
+        *("timeout", "--kill-after=5", str(limit_s)),  # also where this process ends before
         *("nice", "-n", "10", "qemu-system-x86_64"),
         *("-accel", "tcg,thread=multi,tb-size=256", "-cpu", "max", "-smp", "2", "-m", str(GUEST_MB)),
         *("-nodefaults", "-no-user-config", "-display", "none", "-no-reboot"),
@@ -31,11 +33,10 @@ def boot(kernel: Kernel, initramfs: Path, folder: Path, limit_s: float) -> tuple
     with (folder / "qemu").open("w") as log:
         process = subprocess.Popen(command, stdout=log, stderr=log, preexec_fn=_bound)
         try:
-            process.wait(limit_s)
-        except subprocess.TimeoutExpired:
-            log.write(f"killed after {limit_s:.0f} s\n")
+            if process.wait(limit_s + 2 * END_S) == TIMED_OUT:
+                log.write(f"ended after {limit_s:.0f} s, unfinished\n")
         finally:
-            process.kill()
+            process.terminate()  # which `timeout` hands on
             process.wait(END_S)
     took_s = time.monotonic() - began_s
     lines = said.read_text(errors="replace").splitlines() if said.exists() else []

@@ -1,4 +1,4 @@
-"""What runs in the guest: `python -m tests.campaigns.v4l2.guest CAMERA_FILE`.
+"""What runs in the guest: `python -m tests.v4l2.guest CAMERA_FILE`.
 
 A line of JSON on the second serial line for each thing that was tried, {"what", "held", "saw"}, and at the
 end {"end": true}.
@@ -12,15 +12,13 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from ..daemon import Daemon, until
+from tests.campaigns.daemon import Daemon, until
 from . import vivid
 from .listener import Listener
+from .settings import FPS, HEIGHT, LONG_S, MEMORY_BYTES, WIDTH
 
 SAID = Path("/dev/ttyS1")
-MEMORY_BYTES = 8_000_000_000  # of address space
 FIRST, SECOND = "/dev/video0", "/dev/video1"
-WIDTH, HEIGHT, FPS = 320, 180, 10
-LONG_S = 40.0  # all waits of an emulated processor
 LOST_S = 15.0  # the source's own limit without a frame is 5 s
 LOOK_S = 3.0
 
@@ -82,7 +80,7 @@ def _streams(daemon: Daemon, listener: Listener) -> Tried:
     same = all(part in said for part in (f"{WIDTH}/{HEIGHT}", "'YUYV'", f"{FPS}.000"))
     yield "the driver says the same", same, said if not same else ""
     behind_s = time.time() - listener.last_us / 1e6
-    yield "stamps are of now", 0 <= behind_s < 2, f"{behind_s:.3f} s"
+    yield "stamps are of now", 0 <= behind_s < 10, f"{behind_s:.3f} s"
     vivid.draw(FIRST, vivid.STILL)
     still_s = until(lambda: _quiet(listener), LONG_S)
     yield "no events while bars stand", still_s < LONG_S, f"after {still_s:.1f} s"

@@ -1,5 +1,6 @@
 """Debian's kernel with its modules, unpacked into a folder: nothing is installed."""
 
+import platform
 import shutil
 import subprocess
 from dataclasses import dataclass
@@ -32,6 +33,8 @@ class Kernel:
 
 def check_programs() -> None:
     """Raises MissingError, with the remedy."""
+    if platform.machine() != "x86_64":
+        raise MissingError(f"the guest runs this machine's programs on x86-64, and this is {platform.machine()}")
     missing = [package for program, package in PROGRAMS.items() if shutil.which(program) is None]
     if missing:
         raise MissingError(f"apt-get install --no-install-recommends {' '.join(missing)}")
@@ -45,6 +48,8 @@ def fetch(folder: Path) -> Kernel:
     if not (kernel.modules / "modules.dep").exists():
         shutil.rmtree(kernel.root, ignore_errors=True)
         folder.mkdir(parents=True, exist_ok=True)
+        for part in folder.glob("*.deb"):  # of a download that was cut
+            part.unlink()
         _run("apt-get", "download", "-qq", package, cwd=folder)
         (deb,) = folder.glob(f"{package}_*.deb")
         _run("dpkg-deb", "-x", str(deb), str(kernel.root))

@@ -53,18 +53,18 @@ def _camera(folder: Path) -> Path:
 
 
 def _environment(folder: Path) -> dict[str, str]:
-    return KERNELS | {"XDG_CACHE_HOME": str(folder / "cache"), "PYTHONDONTWRITEBYTECODE": "1"}
+    return KERNELS | {"XDG_CACHE_HOME": str(folder / "cache")}
 
 
 def _compile(camera: Path, folder: Path) -> None:
-    command = [sys.executable, "-m", "tests.campaigns.v4l2.warm", str(camera)]
+    command = [sys.executable, "-m", "tests.v4l2.warm", str(camera)]
     subprocess.run(command, cwd=REPOSITORY, env=os.environ | _environment(folder), check=True, timeout=240)
 
 
 def _command(camera: Path, folder: Path) -> str:
     inside = {"PATH": "/usr/sbin:/usr/bin:/sbin:/bin", "HOME": "/root", "LANG": "C.UTF-8"}
     settings = " ".join(f"{name}={value}" for name, value in (inside | _environment(folder)).items())
-    python, module = shlex.quote(sys.executable), "tests.campaigns.v4l2.guest"
+    python, module = shlex.quote(sys.executable), "tests.v4l2.guest"
     return f"cd {REPOSITORY} && exec env -i {settings} {python} -m {module} {camera}"
 
 
