@@ -19,7 +19,7 @@ from .initramfs import build
 from .kernel import MissingError, check_programs, fetch
 from .machine import boot
 
-REPOSITORY = Path(__file__).parents[3]
+REPOSITORY = Path(__file__).parents[2]
 LIMIT_S = 300.0
 KERNELS = {"NUMBA_CPU_NAME": "x86-64-v3", "NUMBA_CPU_FEATURES": ""}
 """What QEMU can emulate: kernels are compiled for it here, where that takes seconds."""

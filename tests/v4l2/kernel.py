@@ -34,7 +34,9 @@ class Kernel:
 def check_programs() -> None:
     """Raises MissingError, with the remedy."""
     if platform.machine() != "x86_64":
-        raise MissingError(f"the guest runs this machine's programs on x86-64, and this is {platform.machine()}")
+        raise MissingError(
+            f"the guest runs this machine's programs on x86-64, and this is {platform.machine()}"
+        )
     missing = [package for program, package in PROGRAMS.items() if shutil.which(program) is None]
     if missing:
         raise MissingError(f"apt-get install --no-install-recommends {' '.join(missing)}")

@@ -1,34 +1,36 @@
-"""A daemon as the guest's, at frames in a file: what it compiles is kept. `python -m tests.v4l2.warm CAMERA`.
+"""Compiles what the guest's daemon needs for the guest's processor: `python -m ... CAMERA`.
 
-It is run here for the guest's processor, as an emulated one would take minutes. Python's own compiled files of
-this package come of it, too.
+A daemon with the same camera looks at frames as a webcam gives, and at others; time is cut there, too.
 """
 
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 import numpy as np
-
 from tests.campaigns.daemon import Daemon, until
 
 from .settings import FPS, HEIGHT, LONG_S, MEMORY_BYTES, WIDTH
 
-LOOK_S = 3
+FRAMES = 20
 
 
 def main(camera: str) -> None:
     with tempfile.TemporaryDirectory() as folder:
-        source = Path(folder) / "bars.npz"
-        x, y = np.arange(WIDTH), np.arange(HEIGHT)[:, None]
-        bars = [((x + 8 * i + 0 * y) // 40 % 2 * 180 + 40).astype(np.uint8) for i in range(50)]
-        np.savez(source, frames=np.array(bars), t_us=np.arange(50) * 1_000_000 // FPS)
-        arguments = ["--source", str(source), "--loop", "--camera", camera, "--burst"]
-        with Daemon(*arguments, memory_bytes=MEMORY_BYTES) as daemon:
-            until(lambda: daemon.get("status")["events"]["total"] > 1000, LONG_S)
-            time.sleep(LOOK_S)  # frames are compiled for after the first ones, too
-            daemon.end()
+        file = Path(folder) / "bars.npz"
+        columns = np.arange(WIDTH) // 40 * 32
+        bars = np.stack([np.tile(np.roll(columns, 8 * i), (HEIGHT, 1)) for i in range(FRAMES)])
+        np.savez(file, frames=bars.astype(np.uint8), t_us=1_000_000 // FPS * np.arange(FRAMES))
+        source = ["--source", str(file), "--loop", "--camera", camera, "--burst"]
+        with Daemon(*source, memory_bytes=MEMORY_BYTES) as daemon:
+            for turn in (1, 2):
+                _wait(daemon, turn * (FRAMES + 5))  # with a turn of the loop
+                daemon.http.put("source", json={"uri": "scene", "fps": FPS}).raise_for_status()
+
+
+def _wait(daemon: Daemon, frames: int) -> None:
+    if until(lambda: daemon.get("status")["frames"]["simulated"] >= frames, LONG_S) > LONG_S:
+        raise SystemExit("no frames are simulated here")
 
 
 if __name__ == "__main__":
