@@ -25,6 +25,7 @@ LOOK_S = 3.0
 
 
 def main(camera: str) -> None:
+    os.environ["VOLTCAM_ACCESS__SOURCE_DEVICES"] = json.dumps(["/dev/video*", "/dev/v4l/*"])
     vivid.load()
     vivid.stamp_at_exposure(FIRST)
     vivid.draw(FIRST, vivid.FAST)
