@@ -1,6 +1,7 @@
 """Compiles what the guest's daemon needs for the guest's processor: `python -m ... CAMERA`.
 
-A daemon with the same camera looks at frames as a webcam gives, and at others; time is cut there, too.
+A daemon with the same camera looks at frames as a webcam gives, and at others; time is cut there, too, and
+bars stand for so long that the simulator draws ahead.
 """
 
 import sys
@@ -13,6 +14,7 @@ from tests.campaigns.daemon import Daemon, until
 from .settings import FPS, HEIGHT, LONG_S, MEMORY_BYTES, WIDTH
 
 FRAMES = 20
+STILL_US = 500_000  # after each of as many frames that are the same
 
 
 def main(camera: str) -> None:
@@ -20,11 +22,13 @@ def main(camera: str) -> None:
         file = Path(folder) / "bars.npz"
         columns = np.arange(WIDTH) // 40 * 32
         bars = np.stack([np.tile(np.roll(columns, 8 * i), (HEIGHT, 1)) for i in range(FRAMES)])
-        np.savez(file, frames=bars.astype(np.uint8), t_us=1_000_000 // FPS * np.arange(FRAMES))
-        source = ["--source", str(file), "--loop", "--camera", camera, "--burst"]
+        frames = np.concatenate([bars, np.repeat(bars[-1:], FRAMES, 0)]).astype(np.uint8)
+        t_us = np.cumsum(np.repeat([1_000_000 // FPS, STILL_US], FRAMES))
+        np.savez(file, frames=frames, t_us=t_us)
+        source = ["--source", str(file), "--loop", "--fast", "--camera", camera, "--burst"]
         with Daemon(*source, memory_bytes=MEMORY_BYTES) as daemon:
             for turn in (1, 2):
-                _wait(daemon, turn * (FRAMES + 5))  # with a turn of the loop
+                _wait(daemon, turn * (2 * FRAMES + 5))  # with a turn of the loop
                 daemon.http.put("source", json={"uri": "scene", "fps": FPS}).raise_for_status()
 
 
