@@ -17,7 +17,7 @@ SECONDS ?= 600
 # Of docs: a warning is an error, and all are told. All pages are made anew, since code may have changed.
 STRICT := --fresh-env --nitpicky --fail-on-warning --keep-going --quiet
 
-.PHONY: run test check docs docs-serve format dist hidden-effects patches soak fuzz interop clean calibration-table
+.PHONY: run test check docs docs-serve format dist hidden-effects patches soak fuzz v4l2 interop clean calibration-table
 
 run: .venv/installed-server
 	$(BIN)/voltcam serve
@@ -62,6 +62,10 @@ soak: .venv/installed-dev
 
 patches: .venv/installed-dev
 	$(BIN)/python -m tests.campaigns.patches --count $(COUNT) $(if $(SEED),--seed $(SEED))
+
+# Debian's kernel in QEMU with its test camera, unplugged and plugged in again; says so where that cannot be had.
+v4l2: .venv/installed-dev
+	$(BIN)/python -m tests.v4l2
 
 # Heavy libraries of others read what Voltcam writes; in an environment of their own.
 interop: .venv-interop/installed

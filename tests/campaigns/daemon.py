@@ -39,7 +39,11 @@ class Daemon:
             raise SystemExit(f"the daemon did not start: {self.process.communicate()[1]}")
         self.url = page[0]
         self.http = httpx.Client(base_url=f"{self.url}api/v1/", trust_env=False, timeout=60)
-        until(lambda: httpx.get(f"{self.url}readyz", trust_env=False).is_success, START_S)
+        until(lambda: self._ready, START_S)
+
+    @property
+    def _ready(self) -> bool:
+        return httpx.get(f"{self.url}readyz", trust_env=False, timeout=START_S).is_success
 
     def get(self, path: str) -> Any:
         """The answer of GET /api/v1/path."""

@@ -1,5 +1,6 @@
 """A camera that Linux knows: V4L2, by index or device file."""
 
+import errno
 import math
 import os
 import stat
@@ -107,7 +108,7 @@ class DeviceSource(LiveSource):
         return self.clock.now_us() if t_us is None else t_us
 
     def _lost(self) -> str:
-        if not Path(self._path).exists():
+        if _gone(self._path):
             return f"{self._path}: unplugged; plug it in again"
         return f"{self._path}: no frame came; the camera stalled or another program took it"
 
@@ -128,6 +129,15 @@ def _check(path: str) -> None:
         ) from None
     except OSError as error:
         raise SourceError(f"{path}: {error.strerror}; fuser -v {path} names who has it") from None
+
+
+def _gone(path: str) -> bool:
+    """Whether there is no camera any more: its file may outlive it, for a moment or while we hold it."""
+    try:
+        os.close(os.open(path, os.O_RDWR | os.O_NONBLOCK))
+    except OSError as error:
+        return error.errno in (errno.ENOENT, errno.ENODEV, errno.ENXIO)
+    return False
 
 
 def _cameras() -> str:

@@ -179,6 +179,20 @@ def test_stalled_and_unplugged(device: str, still_clock: "StillClock") -> None:
             source.read()
 
 
+def test_a_camera_that_is_gone_while_its_file_is_there(
+    device: str, still_clock: "StillClock", monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As the kernel has it while somebody holds the camera open."""
+
+    def refuse(*_: object) -> int:
+        raise OSError(errno.ENODEV, os.strerror(errno.ENODEV))
+
+    with open_fake(FakeCapture([(0, IMAGE)]), still_clock, device) as source:
+        monkeypatch.setattr(os, "open", refuse)
+        with pytest.raises(SourceError, match="unplugged; plug it in again"):
+            source.read()
+
+
 def test_a_camera_just_let_go_is_waited_for(device: str, still_clock: "StillClock") -> None:
     """By itself: the daemon lets it go, too, when it is to be opened with another size."""
     capture = FakeCapture([(0, IMAGE), (10, IMAGE)], opened=False)
