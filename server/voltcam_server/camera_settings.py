@@ -6,7 +6,6 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
-from voltcam_client.datagrams import DatagramForm
 from voltcam_client.encodings import ENCODINGS, EVENT
 from voltcam_client.errors import PacketError
 from voltcam_simulator import Camera, Device, Law, Parameters
@@ -126,18 +125,6 @@ class CameraSettings(BaseModel):
         examples=["127.0.0.1:7777", "off"],
         description="HOST:PORT of the DV streams that dv-processing reads: events there, frames on the next "
         "port; port 0 takes free ones; off: none",
-    )
-
-    udp: str | None = Field(
-        default=None,
-        pattern=r"^(\[[0-9A-Fa-f:.]+\]|[^:/\s]+):\d{1,5}$",
-        examples=["127.0.0.1:3333"],
-        description="HOST:PORT to which events are sent as datagrams, for faery and AEStream; none: they are "
-        "not",
-    )
-    udp_form: DatagramForm = Field(
-        default="t32_x16_y15_on1",
-        description="of the datagrams: t32_x16_y15_on1, faery's, or spif, AEStream's, which has no times",
     )
 
     def load_camera(self) -> Camera:

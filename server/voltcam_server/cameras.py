@@ -20,7 +20,7 @@ from .emulator import Emulator
 from .problems import UsageError, one_line
 from .settings import Settings
 from .status import State, Status
-from .transports import DvTransport, Transport, UdpTransport, WebSocketTransport, ZeroMQTransport
+from .transports import DvTransport, Transport, WebSocketTransport, ZeroMQTransport
 
 SERIAL = "EMU00001"
 WORST_FIRST: tuple[State, ...] = ("stalled", "source lost", "starting", "ended", "overloaded", "running")
@@ -123,11 +123,8 @@ class RunningCamera:
         transports: list[Transport] = [zeromq, websockets]
         try:
             dv = _dv_transport(plan)
-            transports += [dv] if dv is not None else []
-            if settings.udp is not None:
-                transports.append(
-                    UdpTransport(settings.udp, settings.udp_form, plan.camera.width, plan.camera.height)
-                )
+            if dv is not None:
+                transports.append(dv)
         except UsageError:
             for transport in transports:
                 transport.stop()

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, get_args
 
 from voltcam_client.cli_arguments import seconds
-from voltcam_client.datagrams import DatagramForm
 from voltcam_client.formats import SUFFIXES
 from voltcam_simulator import Device, Law, camera_names
 from voltcam_simulator.parameters import merged
@@ -66,12 +65,6 @@ examples:
         metavar="HOST:PORT",
         help="DV streams, for dv-processing: events there, frames on the next port; off: none "
         "(default: 127.0.0.1:7777)",
-    )
-    out.add_argument("--udp", metavar="HOST:PORT", help="events as datagrams, sent there (default: not)")
-    out.add_argument(
-        "--udp-form",
-        choices=get_args(DatagramForm),
-        help="of datagrams: faery's, or AEStream's, which has no times (default: t32_x16_y15_on1)",
     )
     out.add_argument(
         "--frames",

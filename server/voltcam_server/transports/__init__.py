@@ -2,7 +2,6 @@
 
 from .dv import DvTransport
 from .transport import ClientStatus, Transport, TransportStatus
-from .udp import UdpTransport as UdpTransport
 from .websocket import WebSocketTransport
 from .zeromq import ZeroMQTransport
 
