@@ -20,7 +20,7 @@ from .emulator import Emulator
 from .problems import UsageError, one_line
 from .settings import Settings
 from .status import State, Status
-from .transports import DvTransport, Transport, WebSocketTransport, ZeroMQTransport
+from .transports import DvTransport, Transport, UdpTransport, WebSocketTransport, ZeroMQTransport
 
 SERIAL = "EMU00001"
 WORST_FIRST: tuple[State, ...] = ("stalled", "source lost", "starting", "ended", "overloaded", "running")
@@ -123,11 +123,14 @@ class RunningCamera:
         transports: list[Transport] = [zeromq, websockets]
         try:
             dv = _dv_transport(plan)
+            if dv is not None:
+                transports.append(dv)
+            if settings.udp != "off":
+                transports.append(UdpTransport(settings.udp, plan.camera.width, plan.camera.height))
         except UsageError:
-            zeromq.stop()
+            for transport in transports:
+                transport.stop()
             raise
-        if dv is not None:
-            transports.append(dv)
         try:
             emulator = Emulator(
                 plan.camera,

@@ -67,6 +67,11 @@ examples:
         "(default: 127.0.0.1:7777)",
     )
     out.add_argument(
+        "--udp",
+        metavar="FORM://HOST:PORT",
+        help="events as datagrams: spif for AEStream, t32_x16_y15_on1 for faery (default: off)",
+    )
+    out.add_argument(
         "--frames",
         choices=get_args(Frames),
         help="those of the source, or as a DAVIS exposes them, at the times of the effect aps_coupling "
@@ -221,7 +226,7 @@ def _given(args: argparse.Namespace) -> dict[str, Any]:
     given = {key: value for key, value in vars(args).items() if value is not None}
     content: dict[str, Any] = {
         key: given[key]
-        for key in ("camera", "law", "device", "seed", "upsample", "http", "zmq", "dv", "encoding")
+        for key in ("camera", "law", "device", "seed", "upsample", "http", "zmq", "dv", "udp", "encoding")
         if key in given
     }
     source = {key: given[key] for key in SOURCE_FIELDS if key in given}

@@ -2,6 +2,7 @@
 
 from .dv import DvTransport
 from .transport import ClientStatus, Transport, TransportStatus
+from .udp import UdpTransport
 from .websocket import WebSocketTransport
 from .zeromq import ZeroMQTransport
 
@@ -10,6 +11,7 @@ __all__ = [
     "DvTransport",
     "Transport",
     "TransportStatus",
+    "UdpTransport",
     "WebSocketTransport",
     "ZeroMQTransport",
 ]
