@@ -56,6 +56,17 @@ def _dv(value: object) -> object:
 Dv = Annotated[str, BeforeValidator(_dv)]
 
 
+def _foxglove(value: object) -> object:
+    if value is False or value == "off":
+        return "off"
+    if isinstance(value, str) and _DV_ADDRESS.fullmatch(value) and int(value.rpartition(":")[2]) < 65536:
+        return value
+    raise ValueError("give HOST:PORT, such as 127.0.0.1:8765, or off")
+
+
+Foxglove = Annotated[str, BeforeValidator(_foxglove)]
+
+
 def _udp(value: object) -> object:
     if value is False or value == "off":
         return "off"
@@ -144,6 +155,12 @@ class CameraSettings(BaseModel):
         examples=["spif://127.0.0.1:3333", "t32_x16_y15_on1://127.0.0.1:3333"],
         description="FORM://HOST:PORT to which events are sent as datagrams. spif: AEStream's words, without "
         "times; t32_x16_y15_on1: faery's records; off: they are not sent",
+    )
+    foxglove: Foxglove = Field(
+        default="off",
+        examples=["127.0.0.1:8765"],
+        description="HOST:PORT of a server for Foxglove: frames and a preview of events (needs the extra "
+        "foxglove); port 0 takes a free one; off: none",
     )
 
     def load_camera(self) -> Camera:

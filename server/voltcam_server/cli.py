@@ -72,6 +72,11 @@ examples:
         help="events as datagrams: spif for AEStream, t32_x16_y15_on1 for faery (default: off)",
     )
     out.add_argument(
+        "--foxglove",
+        metavar="HOST:PORT",
+        help="frames and a preview of events for Foxglove, usually 127.0.0.1:8765 (default: off)",
+    )
+    out.add_argument(
         "--frames",
         choices=get_args(Frames),
         help="those of the source, or as a DAVIS exposes them, at the times of the effect aps_coupling "
@@ -226,7 +231,19 @@ def _given(args: argparse.Namespace) -> dict[str, Any]:
     given = {key: value for key, value in vars(args).items() if value is not None}
     content: dict[str, Any] = {
         key: given[key]
-        for key in ("camera", "law", "device", "seed", "upsample", "http", "zmq", "dv", "udp", "encoding")
+        for key in (
+            "camera",
+            "law",
+            "device",
+            "seed",
+            "upsample",
+            "http",
+            "zmq",
+            "dv",
+            "udp",
+            "foxglove",
+            "encoding",
+        )
         if key in given
     }
     source = {key: given[key] for key in SOURCE_FIELDS if key in given}

@@ -1,6 +1,7 @@
 """How messages leave the daemon: one file per transport. A transport knows messages, and no physics."""
 
 from .dv import DvTransport
+from .foxglove import FoxgloveTransport
 from .transport import ClientStatus, Transport, TransportStatus
 from .udp import UdpTransport
 from .websocket import WebSocketTransport
@@ -9,6 +10,7 @@ from .zeromq import ZeroMQTransport
 __all__ = [
     "ClientStatus",
     "DvTransport",
+    "FoxgloveTransport",
     "Transport",
     "TransportStatus",
     "UdpTransport",

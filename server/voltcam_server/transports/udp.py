@@ -24,8 +24,6 @@ TIME_BITS = 32
 SPIF_NO_TIME = 1 << 31
 RECORD = np.dtype([("t", "<u4"), ("x", "<u2"), ("y_on", "<u2")])
 NO_TIMES = "%s: this form has no times: a receiver has those of arrival only"
-    "%s: this form has no times and AEStream's own receiver ignores polarity: all else of an event is sent"
-)
 WRAPPED = (
     "%s: the events' clock has passed a multiple of 2^32 us, and the times that are sent begin anew at 0"
 )
