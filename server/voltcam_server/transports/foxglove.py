@@ -1,6 +1,7 @@
 """Foxglove: frames and a preview of events, by the WebSocket server of Foxglove's own SDK.
 
-The SDK queues messages for each client and drops the oldest of one that is too slow. It does not say how many.
+The SDK queues messages for each client, and drops the oldest of one that is too slow. It does not tell how
+many.
 """
 
 import time
@@ -41,10 +42,7 @@ class FoxgloveTransport(Transport):
         self._preview = EventsPreview(width, height)
         self._taken_s = -PREVIEW_S
         self._sent = self._lost = 0
-        context = self._foxglove.Context()
-        self._frames = self._foxglove.channels.RawImageChannel(FRAMES, context=context)
-        self._previews = self._foxglove.channels.RawImageChannel(PREVIEW, context=context)
-        self._rates = self._foxglove.Channel(RATE, schema=RATE_SCHEMA, context=context)
+        self._context = context = self._foxglove.Context()  # without it the server has no channels
         host, _, port = address.rpartition(":")
         try:
             self._server = self._foxglove.start_server(
@@ -59,6 +57,9 @@ class FoxgloveTransport(Transport):
             reason = one_line(error)
             raise UsageError(f"{address}: {reason}: choose another HOST:PORT with {OPTION}") from None
         self.address = f"{host}:{self._server.port}"
+        self._frames = self._foxglove.channels.RawImageChannel(FRAMES, context=context)
+        self._previews = self._foxglove.channels.RawImageChannel(PREVIEW, context=context)
+        self._rates = self._foxglove.Channel(RATE, schema=RATE_SCHEMA, context=context)
 
     @property
     def status(self) -> TransportStatus:

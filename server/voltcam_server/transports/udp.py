@@ -31,8 +31,9 @@ WRAPPED = (
 
 def _spif(events: NDArray[np.void]) -> bytes:
     """Words: bit 31 set for no time, x in bits 16 to 30, ON in bit 15, y in bits 0 to 14."""
-    words = SPIF_NO_TIME | events["x"].astype("<u4") << 16 | _on(events) << 15 | events["y"]
-    return words.astype("<u4").tobytes()
+    words = np.empty(events.size, "<u4")
+    words[:] = SPIF_NO_TIME | events["x"].astype(np.uint32) << 16 | _on(events) << 15 | events["y"]
+    return words.tobytes()
 
 
 def _t32_x16_y15_on1(events: NDArray[np.void]) -> bytes:
