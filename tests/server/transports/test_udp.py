@@ -2,6 +2,7 @@
 
 import importlib.util
 import logging
+import re
 import socket
 import subprocess
 import sys
@@ -81,17 +82,17 @@ def test_spif_words_have_all_but_the_time(receiver: socket.socket, size: tuple[i
     assert set(halves[:, 1] >> 15) == {1}
 
 
-class Faery:
-    """A process of faery's UDP input; it listens when made, and is a context manager that ends it."""
+class Reading:
+    """A process of a library's UDP input; it listens when made, and is a context manager that ends it."""
 
-    def __init__(self, count: int, size: tuple[int, int], file: Path) -> None:
-        if importlib.util.find_spec("faery") is None:
-            pytest.skip("faery, the oracle, is not installed")
+    def __init__(self, library: str, count: int, size: tuple[int, int], file: Path) -> None:
+        if importlib.util.find_spec(library) is None:
+            pytest.skip(f"{library}, the oracle, is not installed")
         self.port, self.file = _free_port(), file
-        program = str(Path(__file__).with_name("faery_reader.py"))
+        program = str(Path(__file__).with_name(f"{library}_reader.py"))
         arguments = map(str, (self.port, count, *size, file))
         self.process = subprocess.Popen([sys.executable, program, *arguments])
-        until(lambda: _is_bound(self.port), "faery listens")
+        until(lambda: _is_bound(self.port), "it listens")
 
     def __enter__(self) -> Self:
         return self
@@ -130,7 +131,7 @@ def test_faery_reads_every_event(
     size: tuple[int, int], start_us: int, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     events = random_events(4000, start_us, *size)
-    with Faery(events.size, size, tmp_path / "events.npy") as reading:
+    with Reading("faery", events.size, size, tmp_path / "events.npy") as reading:
         transport = UdpTransport(f"t32_x16_y15_on1://127.0.0.1:{reading.port}", *size)
         transport.start()
         for first in range(0, events.size, 1000):
@@ -141,6 +142,32 @@ def test_faery_reads_every_event(
         np.testing.assert_array_equal(result[theirs], events[own])
     assert transport.status.packets_sent == 4
     assert ("2^32" in caplog.text) == (start_us > 0)
+
+
+def test_aestream_reads_every_event(tmp_path: Path) -> None:
+    """It keeps how many there were at each pixel."""
+    events = random_events(4000)
+    expected = np.zeros((WIDTH, HEIGHT))
+    np.add.at(expected, (events["x"], events["y"]), 1)
+    with Reading("aestream", events.size, (WIDTH, HEIGHT), tmp_path / "events.npy") as reading:
+        transport = UdpTransport(f"spif://127.0.0.1:{reading.port}", WIDTH, HEIGHT)
+        transport.start()
+        for first in range(0, events.size, 1000):
+            transport.publish(message(events[first : first + 1000]))
+        result = reading.result()
+        transport.stop()
+    np.testing.assert_array_equal(result, expected)
+
+
+def test_the_bytes_of_the_page_are_those_that_are_sent(receiver: socket.socket) -> None:
+    page = Path(__file__).parents[3] / "docs" / "reference" / "packets.md"
+    hexes = re.findall(r'fromhex\("([0-9a-f ]+)"\)', page.read_text())
+    events = np.array([(1000, 3, 2, 1), (WRAP_US + 5, 345, 259, 0)], EVENT)
+    for form, count in (("spif", 1), ("t32_x16_y15_on1", 2)):
+        transport = _sent(receiver, form, message(events), size=(WIDTH, HEIGHT))
+        sent = [receiver.recv(65536) for _ in range(count)]
+        transport.stop()
+        assert sent == [bytes.fromhex(hexes.pop(0)) for _ in range(count)]
 
 
 def test_each_wrap_is_told_once(caplog: pytest.LogCaptureFixture, receiver: socket.socket) -> None:
@@ -197,7 +224,7 @@ def test_what_the_network_does_not_take_is_counted() -> None:
 
 
 def test_a_daemon_sends_to_faery(tmp_path: Path) -> None:
-    with Faery(5000, (WIDTH, HEIGHT), tmp_path / "events.npy") as reading:
+    with Reading("faery", 5000, (WIDTH, HEIGHT), tmp_path / "events.npy") as reading:
         url = f"t32_x16_y15_on1://127.0.0.1:{reading.port}"
         with Daemon("--dv", "off", "--udp", url) as daemon:
             result = reading.result()
