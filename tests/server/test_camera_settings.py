@@ -152,5 +152,5 @@ def test_udp_addresses_that_are_none(udp: Any) -> None:
 def test_foxglove_addresses() -> None:
     assert CameraSettings(foxglove="127.0.0.1:65535").foxglove == "127.0.0.1:65535"
     for wrong in ("127.0.0.1:65536", "banana", "ws://127.0.0.1:8765", True):
-        with pytest.raises(ValidationError, match="give HOST:PORT, such as 127.0.0.1:8765, or off"):
+        with pytest.raises(ValidationError, match=r"give HOST:PORT, such as 127\.0\.0\.1:8765, or off"):
             CameraSettings(foxglove=wrong)
