@@ -40,6 +40,7 @@ Upsample = Annotated[
 DV_DEFAULT = "127.0.0.1:7777"
 DV_PORTS = 4  # of a camera
 _DV_ADDRESS = re.compile(r"(\[[0-9A-Fa-f:.]+\]|[^:/\s]+):\d{1,5}")
+_UDP_URL = re.compile(rf"(spif|t32_x16_y15_on1)://{_DV_ADDRESS.pattern}")
 
 
 def _dv(value: object) -> object:
@@ -53,6 +54,28 @@ def _dv(value: object) -> object:
 
 
 Dv = Annotated[str, BeforeValidator(_dv)]
+
+
+def _foxglove(value: object) -> object:
+    if value is False or value == "off":
+        return "off"
+    if isinstance(value, str) and _DV_ADDRESS.fullmatch(value) and int(value.rpartition(":")[2]) < 65536:
+        return value
+    raise ValueError("give HOST:PORT, such as 127.0.0.1:8765, or off")
+
+
+Foxglove = Annotated[str, BeforeValidator(_foxglove)]
+
+
+def _udp(value: object) -> object:
+    if value is False or value == "off":
+        return "off"
+    if isinstance(value, str) and _UDP_URL.fullmatch(value) and 0 < int(value.rpartition(":")[2]) < 65536:
+        return value
+    raise ValueError("give spif://HOST:PORT, t32_x16_y15_on1://HOST:PORT, or off")
+
+
+Udp = Annotated[str, BeforeValidator(_udp)]
 
 
 class PacketSettings(BaseModel):
@@ -125,6 +148,19 @@ class CameraSettings(BaseModel):
         examples=["127.0.0.1:7777", "off"],
         description="HOST:PORT of the DV streams that dv-processing reads: events there, frames on the next "
         "port; port 0 takes free ones; off: none",
+    )
+
+    udp: Udp = Field(
+        default="off",
+        examples=["spif://127.0.0.1:3333", "t32_x16_y15_on1://127.0.0.1:3333"],
+        description="FORM://HOST:PORT to which events are sent as datagrams. spif: AEStream's words, without "
+        "times; t32_x16_y15_on1: faery's records; off: they are not sent",
+    )
+    foxglove: Foxglove = Field(
+        default="off",
+        examples=["127.0.0.1:8765"],
+        description="HOST:PORT of a server for Foxglove: frames and a preview of events (needs the extra "
+        "foxglove); port 0 takes a free one; off: none",
     )
 
     def load_camera(self) -> Camera:

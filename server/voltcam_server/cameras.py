@@ -20,7 +20,14 @@ from .emulator import Emulator
 from .problems import UsageError, one_line
 from .settings import Settings
 from .status import State, Status
-from .transports import DvTransport, Transport, WebSocketTransport, ZeroMQTransport
+from .transports import (
+    DvTransport,
+    FoxgloveTransport,
+    Transport,
+    UdpTransport,
+    WebSocketTransport,
+    ZeroMQTransport,
+)
 
 SERIAL = "EMU00001"
 WORST_FIRST: tuple[State, ...] = ("stalled", "source lost", "starting", "ended", "overloaded", "running")
@@ -125,6 +132,11 @@ class RunningCamera:
             dv = _dv_transport(plan)
             if dv is not None:
                 transports.append(dv)
+            if settings.udp != "off":
+                transports.append(UdpTransport(settings.udp, plan.camera.width, plan.camera.height))
+            if settings.foxglove != "off":
+                size = (plan.camera.width, plan.camera.height)
+                transports.append(FoxgloveTransport(settings.foxglove, plan.name, *size))
         except UsageError:
             for transport in transports:
                 transport.stop()

@@ -67,6 +67,16 @@ examples:
         "(default: 127.0.0.1:7777)",
     )
     out.add_argument(
+        "--udp",
+        metavar="FORM://HOST:PORT",
+        help="events as datagrams: spif for AEStream, t32_x16_y15_on1 for faery (default: off)",
+    )
+    out.add_argument(
+        "--foxglove",
+        metavar="HOST:PORT",
+        help="frames and a preview of events for Foxglove, usually 127.0.0.1:8765 (default: off)",
+    )
+    out.add_argument(
         "--frames",
         choices=get_args(Frames),
         help="those of the source, or as a DAVIS exposes them, at the times of the effect aps_coupling "
@@ -236,7 +246,7 @@ def _given(args: argparse.Namespace) -> dict[str, Any]:
             "zmq",
             "dv",
             "udp",
-            "udp_form",
+            "foxglove",
             "encoding",
         )
         if key in given

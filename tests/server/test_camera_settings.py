@@ -136,3 +136,21 @@ def test_a_camera_is_a_name_or_a_file(tmp_path: Path) -> None:
         load_camera("none.yaml")
     with pytest.raises(UsageError, match="unknown camera 'leica'"):
         load_camera("leica")
+
+
+@pytest.mark.parametrize("udp", ["spif://127.0.0.1:3333", "t32_x16_y15_on1://[::1]:9", "off", False])
+def test_udp_addresses(udp: Any) -> None:
+    assert CameraSettings(udp=udp).udp == (udp or "off")
+
+
+@pytest.mark.parametrize("udp", ["127.0.0.1:3333", "es://127.0.0.1:1", "spif://h:0", "spif://h:65536", True])
+def test_udp_addresses_that_are_none(udp: Any) -> None:
+    with pytest.raises(ValidationError, match=r"give spif://HOST:PORT, t32_x16_y15_on1://HOST:PORT, or off"):
+        CameraSettings(udp=udp)
+
+
+def test_foxglove_addresses() -> None:
+    assert CameraSettings(foxglove="127.0.0.1:65535").foxglove == "127.0.0.1:65535"
+    for wrong in ("127.0.0.1:65536", "banana", "ws://127.0.0.1:8765", True):
+        with pytest.raises(ValidationError, match=r"give HOST:PORT, such as 127\.0\.0\.1:8765, or off"):
+            CameraSettings(foxglove=wrong)

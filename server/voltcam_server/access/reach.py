@@ -46,6 +46,11 @@ def check_reach(settings: "Settings", tokens: Tokens) -> None:
                 f"--dv {camera.dv} is open to the network, and DV's protocol has no keys: stay on 127.0.0.1, "
                 "to which an ssh tunnel leads, or say access.open in the config"
             )
+        if camera.foxglove != "off" and not _is_loopback(host_of(camera.foxglove)):
+            raise UsageError(
+                f"--foxglove {camera.foxglove} is open to the network, and it asks for no token: stay on "
+                "127.0.0.1, to which an ssh tunnel leads, or say access.open in the config"
+            )
 
 
 def _is_loopback(host: str) -> bool:

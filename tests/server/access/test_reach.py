@@ -25,6 +25,7 @@ LOOPBACK_ZMQ = ("--zmq", "tcp://127.0.0.1:0")
         (("--http", "127.0.0.1:0", "--zmq", "tcp://0.0.0.0:0"), "voltcam keys"),
         (("--http", "127.0.0.1:0", "--zmq", "tcp://*:0"), "voltcam keys"),
         (("--http", "127.0.0.1:0", *LOOPBACK_ZMQ, "--dv", "0.0.0.0:0"), "ssh tunnel"),
+        (("--http", "127.0.0.1:0", *LOOPBACK_ZMQ, "--foxglove", "0.0.0.0:0"), "ssh tunnel"),
         (("--http", "127.0.0.1:0", *LOOPBACK_ZMQ, "--source", "zmq+tcp://0.0.0.0:5570"), "ssh -L 5570"),
     ],
 )
