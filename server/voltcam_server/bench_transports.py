@@ -33,7 +33,7 @@ PAUSE_S, GREET_S = 0.0002, 0.02
 REPORTED = np.dtype([("events", "<i8"), ("newest_us", "<i8"), ("at_ns", "<i8")])
 
 
-class Seen(NamedTuple):
+class TransportSpeed(NamedTuple):
     """Of one transport: million events/s in each part of the look, and latencies of packets, ms."""
 
     rates: list[float]
@@ -51,8 +51,8 @@ def beside_tcp(name: str, kind: Kind, look_s: float) -> list[Figure]:
     if not kind.there:
         return []
     full, small = (kind.wire_bytes(events_at(0, count)) for count in (PACKET_EVENTS, LATENCY_EVENTS))
-    ours = Seen(rates(name, kind.open, 0, look_s), latencies(name, kind.open, 0, look_s))
-    limit = Seen(
+    ours = TransportSpeed(rates(name, kind.open, 0, look_s), latencies(name, kind.open, 0, look_s))
+    limit = TransportSpeed(
         rates("tcp", partial(tcp, full), full, look_s), latencies("tcp", partial(tcp, small), small, look_s)
     )
     share = np.median(ours.rates) / np.median(limit.rates)
