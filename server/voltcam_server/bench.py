@@ -27,6 +27,7 @@ from .bench_limits import MachineLimits, numpy_paper_law
 from .bench_live import live
 from .bench_report import BenchReport
 from .bench_scene import moving, noisy
+from .bench_transports import transports
 
 STILL_FRAMES = 600  # twenty seconds: long enough for the start, eight frames and a draw, to be a small part
 SIZES = {"346x260": (346, 260, 60), "1280x720": (1280, 720, 12)}  # width, height, frames
@@ -34,6 +35,13 @@ SIZES = {"346x260": (346, 260, 60), "1280x720": (1280, 720, 12)}  # width, heigh
 
 def configure(parser: ArgumentParser) -> None:
     """The command line of `voltcam bench`."""
+    parser.add_argument(
+        "what",
+        nargs="?",
+        choices=("all", "transports"),
+        default="all",
+        help="transports: only how fast events reach another process, beside a plain socket; half a minute",
+    )
     parser.add_argument("--json", action="store_true", help="print the figures as JSON, to be compared later")
     parser.add_argument(
         "--compare", type=Path, metavar="OLD.json", help="hold the figures against those of an older run"
@@ -44,9 +52,12 @@ def configure(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Measure everything and print it; the bar goes to standard error."""
     old = BenchReport.read(arguments.compare) if arguments.compare else None
-    limits = MachineLimits.measured()
-    figures = list(limits.figures)
-    for measure in tqdm(list(plan(limits)), desc="voltcam bench", disable=None, leave=False):
+    if arguments.what == "transports":
+        figures, steps = [], list(transports())
+    else:
+        limits = MachineLimits.measured()
+        figures, steps = list(limits.figures), list(plan(limits))
+    for measure in tqdm(steps, desc="voltcam bench", disable=None, leave=False):
         found = measure()
         figures += found
         if not (arguments.json or old):

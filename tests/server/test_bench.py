@@ -68,7 +68,7 @@ def test_all_of_the_plan_is_measured_and_no_two_figures_have_one_name(
     monkeypatch.setattr(bench, "live", lambda: [Figure.of("live", [1.0], "ms")])
     monkeypatch.setattr(bench, "start", lambda: [Figure.of("start", [1.0], "s")])
     monkeypatch.setattr(MachineLimits, "measured", lambda: LIMITS)
-    arguments: Any = argparse.Namespace(json=True, compare=None)
+    arguments: Any = argparse.Namespace(what="all", json=True, compare=None)
     assert bench.run(arguments) == 0
     printed = capsys.readouterr().out
     figures = json.loads(printed)["figures"]
