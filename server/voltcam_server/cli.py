@@ -27,7 +27,7 @@ SOURCE_FIELDS = ("fit", "width", "height", "fps", "pixel_format")
 def serve(parser: argparse.ArgumentParser) -> None:
     """Arguments of `voltcam serve`."""
     parser.description = (
-        "Run the camera: live video in, events out over ZeroMQ, WebSocket and DV, a page to watch."
+        "Run the camera: live video in, events out over ZeroMQ, WebSocket, DV and ROS 2, a page to watch."
     )
     parser.epilog = """\
 All but --record can also be in the config file and in the environment (VOLTCAM_LAW, VOLTCAM_SOURCE__URI,
@@ -65,6 +65,12 @@ examples:
         metavar="HOST:PORT",
         help="DV streams, for dv-processing: events there, frames on the next port; off: none "
         "(default: 127.0.0.1:7777)",
+    )
+    out.add_argument(
+        "--ros2",
+        metavar="NAMESPACE",
+        help="topics of ROS 2: NAMESPACE/events, image_raw, camera_info, imu; needs voltcam[ros2] "
+        "(default: off)",
     )
     out.add_argument(
         "--frames",
@@ -178,11 +184,13 @@ def run_daemon(given: dict[str, Any], config: Path | None, record: str | None) -
 
     def banner(page: str, endpoints: dict[str, tuple[str, str | None]]) -> None:
         print(f"  page    {page}")
-        for name, (zmq, dv) in endpoints.items():
+        for (name, (zmq, dv)), each in zip(endpoints.items(), settings.each().values(), strict=True):
             whose = f"of {name}; " if settings.cameras else ""
             print(f"  events  {zmq}  ({whose}to see them: voltcam listen {zmq})")
             if dv is not None:
                 print(f"  DV      {dv}  ({whose}for dv-processing)")
+            if each.ros2 != "off":
+                print(f"  ROS 2   {each.ros2}/events  ({whose}ros2 topic hz {each.ros2}/events)")
         print("  Ctrl-C ends it", flush=True)
 
     run(settings, record, banner, read)
@@ -221,7 +229,7 @@ def _given(args: argparse.Namespace) -> dict[str, Any]:
     given = {key: value for key, value in vars(args).items() if value is not None}
     content: dict[str, Any] = {
         key: given[key]
-        for key in ("camera", "law", "device", "seed", "upsample", "http", "zmq", "dv", "encoding")
+        for key in ("camera", "law", "device", "seed", "upsample", "http", "zmq", "dv", "ros2", "encoding")
         if key in given
     }
     source = {key: given[key] for key in SOURCE_FIELDS if key in given}

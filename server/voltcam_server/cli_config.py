@@ -39,6 +39,7 @@ def _run(args: argparse.Namespace) -> int:
             f"  source   {plan.settings.source.shown}{_there(plan.settings.source)}",
             f"  events   {plan.settings.zmq}, {_opens(settings)}",
             f"  DV       {plan.settings.dv}",
+            f"  ROS 2    {plan.settings.ros2}",
         ]
     sys.stdout.write("\n".join(lines) + "\n")
     return 0

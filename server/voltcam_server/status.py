@@ -149,7 +149,7 @@ class Status(BaseModel):
     """since the start, s"""
 
     transports: dict[str, TransportStatus]
-    """by name: zeromq, websocket, dv"""
+    """by name: zeromq, websocket, dv, ros2"""
 
     recording: RecordingStatus | None
     """the one that runs, or has ended by itself; null where there is none"""

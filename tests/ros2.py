@@ -1,0 +1,67 @@
+"""Programs of DDS beside a test, in processes of their own: set up as docs/how-to/ros-2.md says."""
+
+import json
+import os
+import subprocess
+import sys
+import uuid
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Self
+
+PEERS = Path(__file__).parent / "ros2_peers"
+DOMAIN = "47"
+PATIENCE_S = 60.0
+LOOPBACK = (
+    "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name='lo'/></Interfaces>"
+    "<AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex>"
+    "<MaxAutoParticipantIndex>100</MaxAutoParticipantIndex><Peers><Peer address='localhost'/></Peers>"
+    "</Discovery></Domain></CycloneDDS>"
+)
+
+
+def own_namespace() -> str:
+    """Of topics that no other test, in this process or another, has."""
+    return f"dvs_{uuid.uuid4().hex[:12]}"
+
+
+class Peer:
+    """A program that says a word when it is ready; a context manager that ends it."""
+
+    def __init__(self, *command: str | Path) -> None:
+        environment = os.environ | {"CYCLONEDDS_URI": LOOPBACK, "ROS_DOMAIN_ID": DOMAIN}
+        self.process = subprocess.Popen(
+            [str(each) for each in command],
+            env=environment | {"CYCLONEDDS_DOMAIN": DOMAIN},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+
+    def says(self) -> str:
+        """Its next line."""
+        assert self.process.stdout is not None
+        return self.process.stdout.readline().strip()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.process.kill()
+        self.process.communicate()
+
+
+class Reader(Peer):
+    """Reads so many messages of a topic, by Cyclone's own deserialiser or another program's."""
+
+    def __init__(
+        self, topic: str, kind: str, count: int, file: Path, *options: str, program: Sequence[str] = ()
+    ) -> None:
+        program = program or (sys.executable, str(PEERS / "reader.py"))
+        super().__init__(*program, f"rt{topic}", kind, str(count), file, *options)
+        self._file = file
+
+    def messages(self) -> list[dict[str, Any]]:
+        """All that came, when the program has ended."""
+        self.process.communicate(timeout=PATIENCE_S)
+        return [json.loads(line) for line in self._file.read_text().splitlines()]
