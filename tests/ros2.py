@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+import threading
 import uuid
 from collections.abc import Sequence
 from pathlib import Path
@@ -32,11 +33,13 @@ class Peer:
         environment = os.environ | {"CYCLONEDDS_URI": LOOPBACK, "ROS_DOMAIN_ID": DOMAIN}
         self.process = subprocess.Popen(
             [str(each) for each in command],
-            env=environment | {"CYCLONEDDS_DOMAIN": DOMAIN},
+            env=environment,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
         )
+        self._too_late = threading.Timer(PATIENCE_S, self.process.kill)
+        self._too_late.start()
 
     def says(self) -> str:
         """Its next line."""
@@ -47,6 +50,7 @@ class Peer:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self._too_late.cancel()
         self.process.kill()
         self.process.communicate()
 

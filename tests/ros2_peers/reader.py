@@ -1,11 +1,12 @@
-"""A program of DDS without Voltcam: `python reader.py TOPIC TYPE COUNT FILE [best_effort]`.
+"""A program of DDS without Voltcam: `python reader.py TOPIC TYPE COUNT FILE [best_effort] [telling]`.
 
 Its types are written as in IDL, and Cyclone's own deserialiser reads them, field by field. It says when a
-writer is found, and saves the fields of what came as JSON lines, bytes as hex.
+writer is found (telling: and each time a message came), and saves the fields as JSON lines, bytes as hex.
 """
 
 import dataclasses
 import json
+import os
 import sys
 import time
 from pathlib import Path
@@ -125,7 +126,7 @@ def plain(value: Any) -> Any:
 
 if __name__ == "__main__":
     name, kind, count, file, *options = sys.argv[1:]
-    participant = DomainParticipant()
+    participant = DomainParticipant(int(os.environ["ROS_DOMAIN_ID"]))
     best_effort = "best_effort" in options
     reliability = Policy.Reliability.BestEffort if best_effort else Policy.Reliability.Reliable(0)
     reader = DataReader(
@@ -141,3 +142,6 @@ if __name__ == "__main__":
     with Path(file).open("w") as lines:
         for _, message in zip(range(int(count)), came, strict=False):
             lines.write(json.dumps(plain(message)) + "\n")
+            if "telling" in options:
+                sys.stdout.write("one\n")
+                sys.stdout.flush()
