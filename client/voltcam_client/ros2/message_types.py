@@ -49,7 +49,7 @@ HASHES = {
 """RIHS01: without it a ROS 2 from Iron on warns of each topic."""
 
 
-class Sample:
+class PackedMessage:
     """A message as CDR, with its encapsulation."""
 
     def __init__(self, cdr: bytes) -> None:
@@ -69,9 +69,9 @@ def dds_type(name: str) -> Any:
     """Cyclone's class of a type in FIELDS, whose objects take and have `cdr`. Raises Ros2Error."""
     kind = structure(name)
     # What Cyclone's writers and readers call; its own would go field by field.
-    kind.__init__ = Sample.__init__
+    kind.__init__ = PackedMessage.__init__
     kind.serialize = lambda self, *_, **__: self.cdr
-    kind.deserialize = classmethod(lambda cls, data, *_, **__: cls(data))
+    kind.deserialize = lambda data, *_, **__: kind(data)
     return kind
 
 
@@ -87,7 +87,7 @@ def _field(kind: str) -> Any:
     inner, bracket, count = kind.removesuffix("]").partition("[")
     if "/" in inner:
         return structure(inner)
-    one = {"string": str, "bool": bool}.get(inner) or getattr(types, inner)
+    one: Any = {"string": str, "bool": bool}.get(inner) or getattr(types, inner)
     if not bracket:
         return one
     return types.array[one, int(count)] if count else types.sequence[one]

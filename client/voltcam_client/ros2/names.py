@@ -16,7 +16,7 @@ LAST_DOMAIN = 232  # the ports of a later one would be above 65535 (DDSI-RTPS, 9
 RANGES = ("LOCALHOST", "SUBNET")
 
 
-class Place(NamedTuple):
+class Ros2Place(NamedTuple):
     """Of topics: a domain of DDS, and whether other machines are in it."""
 
     domain: int = 0

@@ -8,8 +8,8 @@ from typing import Any
 
 from voltcam_client.pushed_frame import MOST_BYTES
 from voltcam_client.ros2 import Ros2Error
-from voltcam_client.ros2.message_types import HASHES, Sample, dds_type, library
-from voltcam_client.ros2.names import Place, dds_name
+from voltcam_client.ros2.message_types import HASHES, PackedMessage, dds_type, library
+from voltcam_client.ros2.names import Ros2Place, dds_name
 
 MOST_PARTICIPANTS = 100  # of a domain on one machine: each has a port of its own
 MOST_SAMPLE_BYTES = MOST_BYTES + (1 << 16)
@@ -36,10 +36,10 @@ LIMITS = f"""
   <Tracing><Verbosity>severe</Verbosity></Tracing>"""
 
 _lock = threading.Lock()
-_joined: dict[Place, "Participant"] = {}
+_joined: dict[Ros2Place, "Participant"] = {}
 
 
-def join(place: Place) -> "Participant":
+def join(place: Ros2Place) -> "Participant":
     """The participant of this process there, which stays to its end. Raises Ros2Error."""
     with _lock:
         if place not in _joined:
@@ -50,7 +50,7 @@ def join(place: Place) -> "Participant":
 class Participant:
     """Made by `join`. Raises Ros2Error."""
 
-    def __init__(self, place: Place) -> None:
+    def __init__(self, place: Ros2Place) -> None:
         domain, core = library("domain"), library("core")
         inner = LIMITS if place.subnet else THIS_MACHINE + LIMITS
         try:
@@ -63,16 +63,16 @@ class Participant:
                 f"ROS 2's domain {place.domain} cannot be joined ({error}): set another ROS_DOMAIN_ID"
             ) from None
 
-    def writer(self, topic: str, kind: str, depth: int) -> "Writer":
+    def writer(self, topic: str, kind: str, depth: int) -> "TopicWriter":
         """Of a topic's messages of this type. depth: messages that wait for readers. Raises Ros2Error."""
-        return Writer(self, topic, kind, depth)
+        return TopicWriter(self, topic, kind, depth)
 
     def topic(self, name: str, kind: str) -> Any:
         """Cyclone's own. Raises Ros2Error."""
         return library("topic").Topic(self.entity, dds_name(name), dds_type(kind))
 
 
-class Writer:
+class TopicWriter:
     """Reliable for readers that ask for it; the oldest message that waits for one of them gives way.
 
     One thread at a time. It is given back when nobody holds it.
@@ -101,7 +101,7 @@ class Writer:
 
     def write(self, cdr: bytes) -> bool:
         """Whether it was taken; it is not where there is no room for it."""
-        sample: Sample = self._kind(cdr)
+        sample: PackedMessage = self._kind(cdr)
         try:
             self._writer.write(sample)
         except self._error as error:

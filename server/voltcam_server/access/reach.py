@@ -5,7 +5,7 @@ import socket
 from typing import TYPE_CHECKING
 
 from voltcam_client.ros2 import Ros2Error
-from voltcam_client.ros2.names import Place
+from voltcam_client.ros2.names import Ros2Place
 
 from ..problems import UsageError
 from .tokens import Tokens
@@ -56,7 +56,7 @@ def check_reach(settings: "Settings", tokens: Tokens) -> None:
 def _check_ros2(asked: str) -> None:
     """Raises UsageError where ROS 2's topics go beyond this machine."""
     try:
-        subnet = Place.of().subnet
+        subnet = Ros2Place.of().subnet
     except Ros2Error as error:
         raise UsageError(f"{asked}: {error}") from None
     if subnet:

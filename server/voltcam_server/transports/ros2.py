@@ -13,8 +13,8 @@ from typing import ClassVar, NamedTuple
 from voltcam_client.packet import TOPIC_EVENTS, TOPIC_FRAMES
 from voltcam_client.ros2 import Ros2Error, messages
 from voltcam_client.ros2.message_types import CAMERA_INFO, EVENTS, IMAGE, IMU
-from voltcam_client.ros2.names import Place, topic_name
-from voltcam_client.ros2.participant import Writer, join
+from voltcam_client.ros2.names import Ros2Place, topic_name
+from voltcam_client.ros2.participant import TopicWriter, join
 from voltcam_client.samples import TOPIC_IMU
 
 from ..messages import Message
@@ -71,9 +71,9 @@ class Ros2Transport(Transport):
             TOPIC_IMU: [_Kind("imu", IMU, _imu)],
         }
         try:
-            self.namespace, place = topic_name(namespace), Place.of()
+            self.namespace, place = topic_name(namespace), Ros2Place.of()
             participant = join(place)
-            self._topics: dict[bytes, list[tuple[Writer, Callable[[Message], list[bytes]]]]] = {
+            self._topics: dict[bytes, list[tuple[TopicWriter, Callable[[Message], list[bytes]]]]] = {
                 topic: [
                     (
                         participant.writer(f"{self.namespace}/{kind.name}", kind.type, _depth(size)),

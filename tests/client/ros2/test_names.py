@@ -3,7 +3,7 @@
 import pytest
 
 from voltcam_client.ros2 import Ros2Error
-from voltcam_client.ros2.names import Place, dds_name, topic_name
+from voltcam_client.ros2.names import Ros2Place, dds_name, topic_name
 
 
 @pytest.mark.parametrize("name", ["dvs", "/dvs", "_a/b_1/C"])
@@ -21,11 +21,13 @@ def test_what_is_no_name(name: str) -> None:
 
 
 def test_places() -> None:
-    assert Place.of({}) == Place(0, subnet=False)
-    assert Place.of({"ROS_DOMAIN_ID": "", "ROS_AUTOMATIC_DISCOVERY_RANGE": ""}) == Place(0, subnet=False)
+    assert Ros2Place.of({}) == Ros2Place(0, subnet=False)
+    assert Ros2Place.of({"ROS_DOMAIN_ID": "", "ROS_AUTOMATIC_DISCOVERY_RANGE": ""}) == Ros2Place(
+        0, subnet=False
+    )
     said = {"ROS_DOMAIN_ID": "232", "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}
-    assert Place.of(said) == Place(232, subnet=True)
-    assert not Place.of({"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}).subnet
+    assert Ros2Place.of(said) == Ros2Place(232, subnet=True)
+    assert not Ros2Place.of({"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}).subnet
 
 
 @pytest.mark.parametrize(
@@ -37,5 +39,5 @@ def test_places() -> None:
 )
 def test_what_is_no_place(key: str, value: str) -> None:
     with pytest.raises(Ros2Error, match=key) as caught:
-        Place.of({key: value})
+        Ros2Place.of({key: value})
     assert len(str(caught.value)) < 200
