@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Self
 
+from numpy.typing import NDArray
+
 PEERS = Path(__file__).parent / "ros2_peers"
 DOMAIN = "47"
 PATIENCE_S = 60.0
@@ -69,3 +71,23 @@ class Reader(Peer):
         """All that came, when the program has ended."""
         self.process.communicate(timeout=PATIENCE_S)
         return [json.loads(line) for line in self._file.read_text().splitlines()]
+
+
+class ImageWriter(Peer):
+    """Publishes images by Cyclone's own serialiser; made when a reader was found."""
+
+    def __init__(self, topic: str, kind: str, *options: str) -> None:
+        super().__init__(sys.executable, PEERS / "writer.py", f"rt{topic}", kind, *options)
+        assert self.says() == "found"
+
+    def publish(self, t_us: int, data: bytes, **fields: Any) -> None:
+        named = {f"{name}_": value for name, value in (fields | {"data": data.hex()}).items()}
+        assert self.process.stdin is not None
+        self.process.stdin.write(json.dumps([t_us, named]) + "\n")
+        self.process.stdin.flush()
+        assert self.says() == "one"
+
+    def image(self, t_us: int, image: NDArray[Any], encoding: str = "mono8", **fields: Any) -> None:
+        height, width = image.shape[:2]
+        size = {"height": height, "width": width, "step": image.strides[0], "encoding": encoding}
+        self.publish(t_us, image.tobytes(), **{"is_bigendian": 0} | size | fields)

@@ -50,7 +50,7 @@ class FrameCounts(BaseModel):
     """looked at, up to the events"""
 
     dropped: int
-    """not looked at, because newer ones were there"""
+    """not looked at, because newer ones were there; of a topic also those lost on the way, or unfit"""
 
     skipped: int
     """gone on from, without events up to them: these would have been too many, or of too long a time"""

@@ -12,6 +12,7 @@ from voltcam_client.ros2.message_types import HASHES, PackedMessage, dds_type, l
 from voltcam_client.ros2.names import Ros2Place, dds_name
 
 MOST_PARTICIPANTS = 100  # of a domain on one machine: each has a port of its own
+READER_MESSAGES = 16  # that wait until they are taken: DDS does not say how many it left out for newer ones
 MOST_SAMPLE_BYTES = MOST_BYTES + (1 << 16)
 # A writer's history is what bounds the messages that wait for its readers. Cyclone's own bound would hold up
 # the writer, and with it all other readers.
@@ -67,6 +68,10 @@ class Participant:
         """Of a topic's messages of this type. depth: messages that wait for readers. Raises Ros2Error."""
         return TopicWriter(self, topic, kind, depth)
 
+    def reader(self, topic: str, kind: str) -> "TopicReader":
+        """Of a topic's messages of this type. Raises Ros2Error."""
+        return TopicReader(self, topic, kind)
+
     def topic(self, name: str, kind: str) -> Any:
         """Cyclone's own. Raises Ros2Error."""
         return library("topic").Topic(self.entity, dds_name(name), dds_type(kind))
@@ -109,3 +114,47 @@ class TopicWriter:
                 return False
             raise
         return True
+
+
+class TopicReader:
+    """Of all writers of a topic: reliable, until there are only such as are not. It is given back when nobody
+    holds it.
+
+    lost: messages that DDS knows it has lost. One thread at a time.
+    """
+
+    def __init__(self, participant: Participant, topic: str, kind: str) -> None:
+        self._participant, self._topic = participant, participant.topic(topic, kind)
+        self._lost_before = 0
+        self._begin(library("qos").Policy.Reliability.Reliable(max_blocking_time=0))
+
+    def take(self, wait_s: float) -> list[bytes]:
+        """What has come, oldest first; without anything, what comes first within this time."""
+        if not self._waits.wait(round(1e9 * wait_s)):
+            self._match()
+            return []
+        samples = self._reader.take(READER_MESSAGES)
+        return [sample.cdr for sample in samples if isinstance(sample, self._topic.data_type)]
+
+    @property
+    def lost(self) -> int:
+        return self._lost_before + int(self._reader.get_sample_lost_status().total_count)
+
+    def _match(self) -> None:
+        """A reliable reader gets nothing from writers that are not, and another gets all."""
+        refused = self._reader.get_requested_incompatible_qos_status().total_count
+        if refused and not self._reader.get_matched_publications():
+            self._lost_before = self.lost
+            self._begin(library("qos").Policy.Reliability.BestEffort)
+
+    def _begin(self, reliability: Any) -> None:
+        core, qos = library("core"), library("qos")
+        policy = qos.Policy
+        self._reader = library("sub").DataReader(
+            self._participant.entity,
+            self._topic,
+            qos.Qos(reliability, policy.Durability.Volatile, policy.History.KeepLast(READER_MESSAGES)),
+        )
+        any_sample = core.SampleState.Any | core.ViewState.Any | core.InstanceState.Any
+        self._waits = core.WaitSet(self._participant.entity)
+        self._waits.attach(core.ReadCondition(self._reader, any_sample))

@@ -49,6 +49,8 @@ def check_reach(settings: "Settings", tokens: Tokens) -> None:
                 f"--dv {camera.dv} is open to the network, and DV's protocol has no keys: stay on 127.0.0.1, "
                 "to which an ssh tunnel leads, or say access.open in the config"
             )
+        if camera.source.ros2_topic is not None:
+            _check_ros2(f"--source {camera.source.shown}")
         if camera.ros2 != "off":
             _check_ros2(f"--ros2 {camera.ros2}")
 

@@ -11,6 +11,7 @@ from voltcam_video.sources.memory import MemorySource
 from voltcam_video.sources.network import NetworkSource
 from voltcam_video.sources.npz import NpzSource
 from voltcam_video.sources.pushed import PushedSource
+from voltcam_video.sources.ros2 import Ros2Source
 from voltcam_video.sources.scene import SceneSource
 from voltcam_video.sources.source import Granted, Source, SourceError
 
@@ -20,6 +21,7 @@ SOURCES: tuple[type[Source], ...] = (
     SceneSource,
     DeviceSource,
     PushedSource,
+    Ros2Source,
     NetworkSource,
     ImagesSource,
     NpzSource,
