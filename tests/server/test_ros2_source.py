@@ -156,18 +156,14 @@ def test_either_byte_order_of_a_message(running: Running, topic: str) -> None:
 
 GOOD = FRAMES[0].tobytes()
 BAD = {
-    "nothing": (b"\0\1\0\0", "4 bytes are no whole sensor_msgs/Image"),
-    "noise": (bytes(range(256)), "no sensor_msgs/Image in plain CDR"),
-    "cut": (cdr(0, GOOD)[:-100], "no whole sensor_msgs/Image"),
-    "cut in the header": (cdr(0, GOOD)[:18], "no whole sensor_msgs/Image"),
     "too long": (cdr(0, GOOD) + bytes(100), "no whole sensor_msgs/Image"),
-    "count too large": (cdr(0, GOOD, count=2**32 - 1), "no whole sensor_msgs/Image"),
     "width too large": (cdr(0, GOOD, width=2**32 - 1), "too many"),
     "rows missing": (cdr(0, GOOD[:-24]), "360 bytes are no 16 rows of 24 bytes"),
     "step too small": (cdr(0, GOOD, step=3), "step is 3"),
-    "no pixels": (cdr(0, b"", height=0), "0 pixels"),
-    "before 1970": (cdr(0, GOOD).replace(b"\0\0\0\0", b"\xff\xff\xff\xff", 1), ""),
+    "no pixels": (cdr(0, GOOD, height=0), "24 x 0 pixels"),
+    "before 1970": (cdr(-1_000_000, GOOD), "the stamp is -1 s"),
 }
+"""What DDS takes for an image; what is cut or counts wrong it does not even pass on."""
 
 
 @pytest.mark.parametrize("name", BAD)
