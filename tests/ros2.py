@@ -5,8 +5,9 @@ import os
 import subprocess
 import sys
 import threading
+import time
 import uuid
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Self
 
@@ -26,6 +27,14 @@ LOOPBACK = (
 def own_namespace() -> str:
     """Of topics that no other test, in this process or another, has."""
     return f"dvs_{uuid.uuid4().hex[:12]}"
+
+
+def soon(condition: Callable[[], bool]) -> bool:
+    """Whether it comes to hold."""
+    deadline_s = time.monotonic() + PATIENCE_S
+    while not condition() and time.monotonic() < deadline_s:
+        time.sleep(0.01)
+    return condition()
 
 
 class Peer:

@@ -78,6 +78,7 @@ def test_every_event_is_read(encoding: str, reliability: str, tmp_path: Path) ->
     with Reader(topic, "EventPacket", len(packets), tmp_path / "out", reliability) as reader:
         transport.start()
         assert reader.says() == "found"
+        until(lambda: wanted(transport, TOPIC_EVENTS), "found here, too")
         for each in packets:
             transport.publish(events_message(each))
         messages = reader.messages()
