@@ -36,7 +36,7 @@ LIMITS = f"""
     <MaxSampleSize>{MOST_SAMPLE_BYTES}B</MaxSampleSize>
     <Watermarks><WhcHigh>{WAITING_BYTES}B</WhcHigh></Watermarks>
   </Internal>
-  <Tracing><Verbosity>severe</Verbosity></Tracing>"""
+  <Tracing><Verbosity>severe</Verbosity><OutputFile>stderr</OutputFile></Tracing>"""
 
 _lock = threading.Lock()
 _joined: dict[Ros2Place, "Participant"] = {}
