@@ -79,7 +79,7 @@ clean:
 
 .venv-interop/installed: pyproject.toml tests/interop/requirements.txt
 	$(PYTHON) -m venv .venv-interop
-	.venv-interop/bin/pip install --quiet --editable '.[lab]' 'pytest>=8.3' -r tests/interop/requirements.txt
+	.venv-interop/bin/pip install --quiet --editable '.[server,ros2]' 'pytest>=8.3' -r tests/interop/requirements.txt
 	touch $@
 
 .venv/installed-server: pyproject.toml | .venv/bin/pip

@@ -8,6 +8,8 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 
 from voltcam_client.encodings import ENCODINGS, EVENT
 from voltcam_client.errors import PacketError
+from voltcam_client.ros2 import Ros2Error
+from voltcam_client.ros2.names import topic_name
 from voltcam_simulator import Camera, Device, Law, Parameters
 from voltcam_video import SourceRequest
 
@@ -76,6 +78,18 @@ def _udp(value: object) -> object:
 
 
 Udp = Annotated[str, BeforeValidator(_udp)]
+
+
+def _ros2(value: object) -> object:
+    if value is False or value == "off":  # False: as YAML reads an off without quotes
+        return "off"
+    try:
+        return topic_name(value if isinstance(value, str) else "")
+    except Ros2Error:
+        raise ValueError("give a namespace of ROS 2, such as dvs, or off") from None
+
+
+Ros2 = Annotated[str, BeforeValidator(_ros2)]
 
 
 class PacketSettings(BaseModel):
@@ -148,6 +162,11 @@ class CameraSettings(BaseModel):
         examples=["127.0.0.1:7777", "off"],
         description="HOST:PORT of the DV streams that dv-processing reads: events there, frames on the next "
         "port; port 0 takes free ones; off: none",
+    )
+    ros2: Ros2 = Field(
+        default="off",
+        examples=["dvs", "off"],
+        description="namespace of the topics of ROS 2: events, image_raw, camera_info and imu; off: none",
     )
 
     udp: Udp = Field(

@@ -23,6 +23,7 @@ from .status import State, Status
 from .transports import (
     DvTransport,
     FoxgloveTransport,
+    Ros2Transport,
     Transport,
     UdpTransport,
     WebSocketTransport,
@@ -65,6 +66,9 @@ class CameraAnswer(BaseModel):
 
     dv: str | None
     """HOST:PORT of its DV streams; null: there are none"""
+
+    ros2: str | None
+    """namespace of its topics in ROS 2; null: there are none"""
 
     parameters: Parameters
     """at the start"""
@@ -130,13 +134,13 @@ class RunningCamera:
         transports: list[Transport] = [zeromq, websockets]
         try:
             dv = _dv_transport(plan)
-            if dv is not None:
-                transports.append(dv)
+            transports += [dv] if dv is not None else []
             if settings.udp != "off":
                 transports.append(UdpTransport(settings.udp, plan.camera.width, plan.camera.height))
             if settings.foxglove != "off":
                 size = (plan.camera.width, plan.camera.height)
                 transports.append(FoxgloveTransport(settings.foxglove, plan.name, *size))
+            transports += [_ros2_transport(plan)] if settings.ros2 != "off" else []
         except UsageError:
             for transport in transports:
                 transport.stop()
@@ -203,6 +207,7 @@ class RunningCamera:
             encoding=settings.encoding,
             zmq=self.zmq,
             dv=self.dv,
+            ros2=settings.ros2 if settings.ros2 != "off" else None,
             parameters=camera.parameters,
         )
 
@@ -211,15 +216,32 @@ def _dv_transport(plan: Plan) -> DvTransport | None:
     """Raises UsageError."""
     if plan.settings.dv == "off":
         return None
-    davis = plan.settings.davis
+    width, height = plan.camera.width, plan.camera.height
+    return DvTransport(plan.settings.dv, width, height, plan.serial, tuple(_topics(plan.settings)))
+
+
+def _ros2_transport(plan: Plan) -> Ros2Transport:
+    """Raises UsageError."""
+    settings = plan.settings
+    sizes = {
+        TOPIC_EVENTS: settings.packets.packet_bytes,
+        TOPIC_FRAMES: plan.camera.width * plan.camera.height,
+        TOPIC_IMU: 400,
+    }
+    largest = {topic: sizes[topic] for topic in _topics(settings) if topic in sizes}
+    return Ros2Transport(settings.ros2, settings.encoding, largest)
+
+
+def _topics(settings: CameraSettings) -> list[bytes]:
+    """What a camera gives."""
+    davis = settings.davis
     there = {
         TOPIC_EVENTS: True,
         TOPIC_FRAMES: davis.frames != "off",
         TOPIC_TRIGGERS: davis.triggers_hz > 0,
         TOPIC_IMU: davis.imu_hz > 0,
     }
-    topics = tuple(topic for topic, is_there in there.items() if is_there)
-    return DvTransport(plan.settings.dv, plan.camera.width, plan.camera.height, plan.serial, topics)
+    return [topic for topic, is_there in there.items() if is_there]
 
 
 class Cameras:

@@ -27,7 +27,7 @@ SOURCE_FIELDS = ("fit", "levels", "width", "height", "fps", "pixel_format")
 def serve(parser: argparse.ArgumentParser) -> None:
     """Arguments of `voltcam serve`."""
     parser.description = (
-        "Run the camera: live video in, events out over ZeroMQ, WebSocket and DV, a page to watch."
+        "Run the camera: live video in, events out over ZeroMQ, WebSocket, DV and ROS 2, a page to watch."
     )
     parser.epilog = """\
 All but --record can also be in the config file and in the environment (VOLTCAM_LAW, VOLTCAM_SOURCE__URI,
@@ -75,6 +75,12 @@ examples:
         "--foxglove",
         metavar="HOST:PORT",
         help="frames and a preview of events for Foxglove, usually 127.0.0.1:8765 (default: off)",
+    )
+    out.add_argument(
+        "--ros2",
+        metavar="NAMESPACE",
+        help="topics of ROS 2: NAMESPACE/events, image_raw, camera_info, imu; needs voltcam[ros2] "
+        "(default: off)",
     )
     out.add_argument(
         "--frames",
@@ -193,11 +199,13 @@ def run_daemon(given: dict[str, Any], config: Path | None, record: str | None) -
 
     def banner(page: str, endpoints: dict[str, tuple[str, str | None]]) -> None:
         print(f"  page    {page}")
-        for name, (zmq, dv) in endpoints.items():
+        for (name, (zmq, dv)), each in zip(endpoints.items(), settings.each().values(), strict=True):
             whose = f"of {name}; " if settings.cameras else ""
             print(f"  events  {zmq}  ({whose}to see them: voltcam listen {zmq})")
             if dv is not None:
                 print(f"  DV      {dv}  ({whose}for dv-processing)")
+            if each.ros2 != "off":
+                print(f"  ROS 2   {each.ros2}/events  ({whose}ros2 topic hz {each.ros2}/events)")
         print("  Ctrl-C ends it", flush=True)
 
     run(settings, record, banner, read)
@@ -247,6 +255,7 @@ def _given(args: argparse.Namespace) -> dict[str, Any]:
             "dv",
             "udp",
             "foxglove",
+            "ros2",
             "encoding",
         )
         if key in given

@@ -39,6 +39,7 @@ While it runs, PUT /api/v1/source with "start_s" goes to another place, as the p
     )
     parser.add_argument("--zmq", metavar="ENDPOINT", help="ZeroMQ (default: tcp://127.0.0.1:5560)")
     parser.add_argument("--dv", metavar="HOST:PORT", help="DV streams, or off (default: 127.0.0.1:7777)")
+    parser.add_argument("--ros2", metavar="NAMESPACE", help="topics of ROS 2 (default: off)")
     parser.set_defaults(run=_run)
 
 
@@ -53,7 +54,7 @@ def _run(args: argparse.Namespace) -> int:
     source: dict[str, Any] = {"uri": f"{SCHEME}{args.file.absolute()}", "loop": args.loop}
     if args.start:
         source["start_s"] = args.start
-    given = {key: value for key in ("http", "zmq", "dv") if (value := getattr(args, key)) is not None}
+    given = {key: value for key in ("http", "zmq", "dv", "ros2") if (value := getattr(args, key)) is not None}
     with tempfile.TemporaryDirectory(prefix="voltcam-replay-") as folder:
         file = Path(folder) / "camera.yaml"
         file.write_text(camera.to_yaml())

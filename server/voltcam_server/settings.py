@@ -130,7 +130,7 @@ def load(
 
 
 def _check_endpoints(cameras: Mapping[str, CameraSettings]) -> None:
-    for key in ("zmq", "dv", "udp", "foxglove"):
+    for key in ("zmq", "dv", "udp", "foxglove", "ros2"):
         seen: dict[str, str] = {}
         for name, camera in cameras.items():
             address = getattr(camera, key)

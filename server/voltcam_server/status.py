@@ -50,7 +50,7 @@ class FrameCounts(BaseModel):
     """looked at, up to the events"""
 
     dropped: int
-    """not looked at, because newer ones were there"""
+    """not looked at, because newer ones were there; of a topic also those lost on the way, or unfit"""
 
     skipped: int
     """gone on from, without events up to them: these would have been too many, or of too long a time"""
@@ -149,7 +149,7 @@ class Status(BaseModel):
     """since the start, s"""
 
     transports: dict[str, TransportStatus]
-    """by name: zeromq, websocket, dv"""
+    """by name: zeromq, websocket, dv, ros2"""
 
     recording: RecordingStatus | None
     """the one that runs, or has ended by itself; null where there is none"""

@@ -23,7 +23,7 @@ class SourceRequest(BaseModel):
         min_length=1,
         description="scene (built in), a camera (0 or /dev/video0), a video file, a folder with images.txt, "
         "an .npz, a stream (rtsp://, http://, udp://...), replay:FILE, the events of a recording, or "
-        "zmq+tcp://HOST:PORT, where programs send frames to, or ros1:TOPIC, images of ROS 1",
+        "zmq+tcp://HOST:PORT, where programs send frames to, or ros1:TOPIC or ros2:TOPIC, images of ROS",
     )
     width: int | None = Field(
         default=None, ge=1, le=16384, description="pixels, asked of a camera or the scene; none: as it comes"
@@ -86,14 +86,20 @@ class SourceRequest(BaseModel):
         return self.uri.removeprefix("zmq+") if self.uri.startswith("zmq+") else None
 
     @property
-    def topic(self) -> str | None:
+    def ros1_topic(self) -> str | None:
         """The name of the topic, of images in ROS 1."""
         return self.uri.removeprefix("ros1:") if self.uri.startswith("ros1:") else None
 
     @property
+    def ros2_topic(self) -> str | None:
+        """The name of the topic, of images in ROS 2."""
+        return self.uri.removeprefix("ros2:") if self.uri.startswith("ros2:") else None
+
+    @property
     def path(self) -> Path | None:
         """The file or folder, of a recording."""
-        apart = self.uri == "scene" or self.device is not None or "://" in self.uri or self.topic is not None
+        topic = self.ros1_topic is not None or self.ros2_topic is not None
+        apart = self.uri == "scene" or self.device is not None or "://" in self.uri or topic
         return None if apart else Path(self.uri)
 
     @property

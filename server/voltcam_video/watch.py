@@ -40,9 +40,10 @@ def watch(
 ) -> Iterator[Frame]:
     """Opens the source and yields its frames until it ends or `stop` is set, which takes effect within 0.2 s.
 
-    A live source that fails after its first frame is opened again for ever, waiting 0.5 s to 10 s between
-    attempts; its next frame has `cut` set. One that fails before its first frame raises SourceError, as a
-    recording that fails does. granted: what a source gave that ran before: it is opened again for ever, too.
+    A live source that fails after its first frame, or while it waits for that, is opened again for ever,
+    waiting 0.5 s to 10 s between attempts; its next frame has `cut` set. Another that fails before its first
+    frame raises SourceError, as a recording that fails does. granted: what a source gave that ran before: it
+    is opened again for ever, too.
     `on_state` is called at every change, by the thread that takes the frames or the one that reads. clock:
     shared by cameras whose frames are to be on one.
     """
@@ -62,6 +63,7 @@ def watch(
                 yield frame
             break
         except SourceError as error:
+            granted = granted or reader.waited_with
             if granted is None or not granted["live"]:
                 on_state(SourceState("ended", str(error), granted))
                 raise
@@ -87,6 +89,7 @@ class _Reader:
         on_state: Callable[[SourceState], None],
     ) -> None:
         self.granted: Granted | None = None
+        self.waited_with: Granted | None = None  # of a source that expects
         self._on_state = on_state
         self._items: queue.Queue[Frame | Exception | None] = queue.Queue(maxsize=1)
         self._left = threading.Event()
@@ -117,6 +120,7 @@ class _Reader:
         try:
             with open_with(request, clock, self._left) as source:
                 self.granted = source.granted
+                self.waited_with = source.granted if source.expects else None
                 if source.expects and not self._left.is_set():
                     words = f"{request.shown}: waits for a program that sends frames"
                     self._on_state(SourceState("waiting", words))

@@ -54,8 +54,8 @@ def test_passwords_are_not_shown(uri: str, shown: str) -> None:
 @pytest.mark.parametrize("uri", ["ros1:/camera/image_raw", "ros1:camera"])
 def test_a_topic_is_no_file(uri: str) -> None:
     request = SourceRequest(uri=uri)
-    assert (request.topic, request.path, request.device) == (uri[5:], None, None)
+    assert (request.ros1_topic, request.path, request.device) == (uri[5:], None, None)
 
 
 def test_a_file_is_no_topic() -> None:
-    assert SourceRequest(uri="camera.npz").topic is None
+    assert SourceRequest(uri="camera.npz").ros1_topic is None

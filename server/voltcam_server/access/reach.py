@@ -4,6 +4,9 @@ import ipaddress
 import socket
 from typing import TYPE_CHECKING
 
+from voltcam_client.ros2 import Ros2Error
+from voltcam_client.ros2.names import Ros2Place
+
 from ..problems import UsageError
 from .tokens import Tokens
 
@@ -51,6 +54,23 @@ def check_reach(settings: "Settings", tokens: Tokens) -> None:
                 f"--foxglove {camera.foxglove} is open to the network, and it asks for no token: stay on "
                 "127.0.0.1, to which an ssh tunnel leads, or say access.open in the config"
             )
+        if camera.source.ros2_topic is not None:
+            _check_ros2(f"--source {camera.source.shown}")
+        if camera.ros2 != "off":
+            _check_ros2(f"--ros2 {camera.ros2}")
+
+
+def _check_ros2(asked: str) -> None:
+    """Raises UsageError where ROS 2's topics go beyond this machine."""
+    try:
+        subnet = Ros2Place.of().subnet
+    except Ros2Error as error:
+        raise UsageError(f"{asked}: {error}") from None
+    if subnet:
+        raise UsageError(
+            f"{asked} is open to the network by ROS_AUTOMATIC_DISCOVERY_RANGE, and anyone could join: set it "
+            "to LOCALHOST, or say access.open in the config"
+        )
 
 
 def _is_loopback(host: str) -> bool:

@@ -2,6 +2,7 @@
 
 from .dv import DvTransport
 from .foxglove import FoxgloveTransport
+from .ros2 import Ros2Transport
 from .transport import ClientStatus, Transport, TransportStatus
 from .udp import UdpTransport
 from .websocket import WebSocketTransport
@@ -11,6 +12,7 @@ __all__ = [
     "ClientStatus",
     "DvTransport",
     "FoxgloveTransport",
+    "Ros2Transport",
     "Transport",
     "TransportStatus",
     "UdpTransport",

@@ -12,6 +12,7 @@ from voltcam_video.sources.network import NetworkSource
 from voltcam_video.sources.npz import NpzSource
 from voltcam_video.sources.pushed import PushedSource
 from voltcam_video.sources.ros1 import Ros1Source
+from voltcam_video.sources.ros2 import Ros2Source
 from voltcam_video.sources.scene import SceneSource
 from voltcam_video.sources.source import Granted, Source, SourceError
 
@@ -22,6 +23,7 @@ SOURCES: tuple[type[Source], ...] = (
     DeviceSource,
     PushedSource,
     Ros1Source,
+    Ros2Source,
     NetworkSource,
     ImagesSource,
     NpzSource,

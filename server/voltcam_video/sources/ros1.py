@@ -7,6 +7,8 @@ that of frames that come faster than they are simulated the newest goes on.
 import struct
 import threading
 import uuid
+from dataclasses import replace
+from functools import partial
 
 from voltcam_client.errors import PacketError
 from voltcam_client.pushed_frame import MOST_BYTES
@@ -15,16 +17,16 @@ from voltcam_client.ros1.names import Names
 from voltcam_client.ros1.node import Node
 from voltcam_client.ros1.subscription import Received
 from voltcam_video.clock import Clock
-from voltcam_video.frame import Frame, Image, Sent
+from voltcam_video.frame import Frame
 from voltcam_video.request import SourceRequest
 from voltcam_video.sources.image_message import compressed_image, raw_image
 from voltcam_video.sources.source import Granted, Source, SourceError
+from voltcam_video.sources.topic_frames import Decoded, TopicFrames
 
 RAW, COMPRESSED = "sensor_msgs/Image", "sensor_msgs/CompressedImage"
 QUEUE_MESSAGES = 2
 MOST_MESSAGE_BYTES = MOST_BYTES + (1 << 16)
 POLL_S = 0.05
-BAD_LIMIT = 30  # in a row
 
 
 class Ros1Source(Source):
@@ -36,8 +38,6 @@ class Ros1Source(Source):
 
     def __init__(self, request: SourceRequest, clock: Clock, stop: threading.Event) -> None:
         super().__init__(request, clock, stop)
-        self._last: tuple[int, tuple[int, ...]] | None = None  # time and shape of the last frame
-        self._missed, self._bad = 0, 0
         self.granted = Granted(
             kind="ros1",
             live=True,
@@ -50,12 +50,13 @@ class Ros1Source(Source):
             clock="sender",
             levels=self.levels,
         )
+        self._frames = TopicFrames(request.shown, self.granted)
         try:
             self._node = Node(Names.of(f"voltcam_{uuid.uuid4().hex[:8]}"))
         except RosError as error:
             raise SourceError(f"{request.shown}: {error}") from None
         try:
-            topic, kinds = request.topic or "", (RAW, COMPRESSED)
+            topic, kinds = request.ros1_topic or "", (RAW, COMPRESSED)
             self._images = self._node.subscribe(topic, kinds, QUEUE_MESSAGES, MOST_MESSAGE_BYTES)
         except RosError as error:
             self._node.close()
@@ -63,16 +64,18 @@ class Ros1Source(Source):
 
     @classmethod
     def reads(cls, request: SourceRequest) -> bool:
-        return request.topic is not None
+        return request.ros1_topic is not None
 
     def read(self) -> Frame | None:
         """The next frame; None where `stop` is set first. Raises SourceError."""
         while not self.stop.is_set():
             try:
                 self._node.check()
-                received = self._images.receive(POLL_S)
-                if received is not None and (frame := self._frame(received)) is not None:
-                    return frame
+                got = self._images.receive(POLL_S)
+                frame = None if got is None else self._frames.frame(partial(_decoded, got), got.dropped)
+                if frame is not None:
+                    self._look_at(frame.image)
+                    return replace(frame, gamma=self.gamma)
             except RosError as error:
                 raise SourceError(f"{self.request.shown}: {error}") from None
         return None
@@ -80,30 +83,9 @@ class Ros1Source(Source):
     def close(self) -> None:
         self._node.close()
 
-    def _frame(self, received: Received) -> Frame | None:
-        """None for an image that is none, of which some may come. Raises SourceError for the last of many."""
-        self._missed += received.dropped
-        try:
-            t_us, image, encoding = _decoded(received)
-            if self._last is not None and t_us == self._last[0]:
-                raise PacketError(f"two images at {t_us} us: does its publisher set header.stamp?")
-        except PacketError as error:
-            self._bad += 1
-            if self._last is None or self._bad == BAD_LIMIT:
-                raise SourceError(f"{self.request.shown}: {error}") from None
-            return None
-        # A simulator that was reset begins at an earlier time.
-        begin = self._last is not None and (t_us < self._last[0] or image.shape != self._last[1])
-        self._last, self._bad = (t_us, image.shape), 0
-        self.granted["height"], self.granted["width"] = image.shape
-        self.granted["pixel_format"] = encoding
-        self._look_at(image)
-        missed, self._missed = self._missed, 0
-        return Frame(image, t_us, cut=begin, sent=Sent(False, missed, lambda _: None), gamma=self.gamma)
 
-
-def _decoded(received: Received) -> tuple[int, Image, str]:
-    """Time, luminance and encoding. Raises PacketError."""
+def _decoded(received: Received) -> Decoded:
+    """Raises PacketError."""
     body = memoryview(received.body)
     try:
         _, seconds, ns = struct.unpack_from("<III", body)

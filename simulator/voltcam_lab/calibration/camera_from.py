@@ -55,8 +55,8 @@ class Calibrated:
         lines += [f"# {note}" for note in self.notes]
         if self.estimates:
             lines.append(
-                "# 90 % intervals by likelihood, widened to what a parameter was moved to; and what fixes each, "
-                "data or only the prior (nothing much):"
+                "# 90 % intervals by likelihood, widened to what a parameter was moved to; and what fixes "
+                "each, data or only the prior (nothing much):"
             )
         for one in self.estimates:
             name = f"{one.effect}.{one.parameter}"

@@ -39,8 +39,8 @@ class Estimate:
         return self.informed > 0.5
 
     def reaching(self, value: float) -> "Estimate":
-        """With an interval that has this value in it, too: where another way to ask gave that, the first way's
-        own interval tells too little."""
+        """With an interval that has this value in it, too: where another way to ask gave it, the interval of
+        the first way tells too little."""
         return replace(self, low=min(self.low, value), high=max(self.high, value))
 
     @property
