@@ -72,6 +72,7 @@ def dds_type(name: str) -> Any:
     kind.__init__ = PackedMessage.__init__
     kind.serialize = lambda self, *_, **__: self.cdr
     kind.deserialize = lambda data, *_, **__: kind(data)
+    kind.deserialize_key = kind.deserialize  # of what says that a writer has left
     return kind
 
 
