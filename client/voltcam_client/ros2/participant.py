@@ -17,7 +17,8 @@ MOST_SAMPLE_BYTES = MOST_BYTES + (1 << 16)
 # A writer's history is what bounds the messages that wait for its readers. Cyclone's own bound would hold up
 # the writer, and with it all other readers.
 WAITING_BYTES = 1 << 30
-# A program that is started later calls by multicast, which the loopback has not: we call, each second.
+# A program that is started later calls by multicast, which the loopback has not: we call, each second. Ports
+# where nobody answers are otherwise given up after 30 s.
 THIS_MACHINE = f"""
   <General>
     <Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces>
@@ -27,7 +28,7 @@ THIS_MACHINE = f"""
   <Discovery>
     <ParticipantIndex>auto</ParticipantIndex>
     <MaxAutoParticipantIndex>{MOST_PARTICIPANTS}</MaxAutoParticipantIndex>
-    <Peers><Peer address="127.0.0.1"/></Peers>
+    <Peers><Peer address="127.0.0.1" PruneDelay="inf"/></Peers>
     <SPDPInterval>1s</SPDPInterval>
   </Discovery>"""
 LIMITS = f"""
