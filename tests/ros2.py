@@ -29,9 +29,9 @@ def own_namespace() -> str:
     return f"dvs_{uuid.uuid4().hex[:12]}"
 
 
-def soon(condition: Callable[[], bool]) -> bool:
+def soon(condition: Callable[[], bool], wait_s: float = PATIENCE_S) -> bool:
     """Whether it comes to hold."""
-    deadline_s = time.monotonic() + PATIENCE_S
+    deadline_s = time.monotonic() + wait_s
     while not condition() and time.monotonic() < deadline_s:
         time.sleep(0.01)
     return condition()
