@@ -319,7 +319,7 @@ def test_one_reader_too_many_is_not_let_in(transport: DvTransport, caplog: pytes
         with socket.create_connection(("127.0.0.1", _port(transport)), PATIENCE_S) as late:
             assert late.recv(1) == b""
         assert len(transport.status.clients) == MOST_READERS
-    assert "32 readers are here already" in caplog.text
+    until(lambda: "32 readers are here already" in caplog.text, "it is said")
     until(lambda: not transport.status.clients, "all are forgotten")
     with _connected(transport) as reader:
         _header(reader)
