@@ -45,9 +45,13 @@ def main() -> None:
 
 
 def used_signatures() -> list[Signature]:
-    """What the cameras of the package need, under both laws, for frames of bytes and of floats."""
-    for camera, law, dtype in product(camera_names(), get_args(Law), (np.uint8, np.float32)):
-        simulator = Simulator(16, 12, Parameters.of(camera), law, seed=1)
+    """What the cameras of the package need, under both laws, for frames of bytes and of floats, of light and
+    coded for screens."""
+    for camera, law, dtype, gamma in product(
+        camera_names(), get_args(Law), (np.uint8, np.float32), (1.0, 2.2)
+    ):
+        parameters = Parameters.of(camera).changed({"input_response": {"gamma_exponent": gamma}})
+        simulator = Simulator(16, 12, parameters, law, seed=1)
         for i in range(1 + STILL_FRAMES):  # dark, then bright
             simulator.advance(np.full((12, 16), 200 if i else 20, dtype), i * STILL_US)
     return [(k.py_func.__module__, k.__name__, types) for k in _kernels() for types in k.overloads]
