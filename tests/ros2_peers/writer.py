@@ -4,50 +4,17 @@ Its types are written as in IDL, and Cyclone's own serialiser packs them. Each l
 [t_us, {field: value}], bytes as hex. It says "found" when a reader is there, and "one" after each message.
 """
 
-import dataclasses
 import json
 import os
 import sys
 import time
 
 from cyclonedds.domain import DomainParticipant
-from cyclonedds.idl import IdlStruct
-from cyclonedds.idl.types import int32, sequence, uint8, uint32
 from cyclonedds.pub import DataWriter
 from cyclonedds.qos import Policy, Qos
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
-
-
-@dataclasses.dataclass
-class Time(IdlStruct, typename="builtin_interfaces.msg.dds_.Time_"):
-    sec_: int32
-    nanosec_: uint32
-
-
-@dataclasses.dataclass
-class Header(IdlStruct, typename="std_msgs.msg.dds_.Header_"):
-    stamp_: Time
-    frame_id_: str
-
-
-@dataclasses.dataclass
-class Image(IdlStruct, typename="sensor_msgs.msg.dds_.Image_"):
-    header_: Header
-    height_: uint32
-    width_: uint32
-    encoding_: str
-    is_bigendian_: uint8
-    step_: uint32
-    data_: sequence[uint8]
-
-
-@dataclasses.dataclass
-class CompressedImage(IdlStruct, typename="sensor_msgs.msg.dds_.CompressedImage_"):
-    header_: Header
-    format_: str
-    data_: sequence[uint8]
-
+from idl_messages import CompressedImage, Header, Image, Time
 
 if __name__ == "__main__":
     name, kind, *options = sys.argv[1:]

@@ -24,7 +24,7 @@ from voltcam_video.clock import Clock
 from voltcam_video.frame import Frame, Outcome, Sent
 from voltcam_video.request import SourceRequest
 from voltcam_video.sources.pushed_image import image_of, size_of
-from voltcam_video.sources.source import Granted, Source, SourceError
+from voltcam_video.sources.source import Source, SourceError
 
 ENDPOINT = re.compile(r"tcp://(\[[0-9A-Fa-f:.]+\]|[^:/\s\[\]]+):([1-9]\d{0,4})")
 QUEUE_MESSAGES = 2  # of each sender, so that what waits is bounded
@@ -71,18 +71,7 @@ class PushedSource(Source):
         self._outcomes: queue.SimpleQueue[tuple[_UnderWay, Outcome]] = queue.SimpleQueue()
         self._under_way: list[_UnderWay] = []
         self._last: tuple[int, tuple[int, int]] | None = None  # time and size of the last frame in order
-        self.granted = Granted(
-            kind="pushed",
-            live=True,
-            width=0,
-            height=0,
-            fps=None,
-            pixel_format=None,
-            frames=None,
-            backend="ZeroMQ",
-            clock="sender",
-            levels=self.levels,
-        )
+        self.granted = self._awaiting("pushed", "ZeroMQ")
         endpoint = self._endpoint()
         self._context = zmq.Context()
         self._socket = self._bound(endpoint)

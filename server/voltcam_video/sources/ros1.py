@@ -20,7 +20,7 @@ from voltcam_video.clock import Clock
 from voltcam_video.frame import Frame
 from voltcam_video.request import SourceRequest
 from voltcam_video.sources.image_message import compressed_image, raw_image
-from voltcam_video.sources.source import Granted, Source, SourceError
+from voltcam_video.sources.source import Source, SourceError
 from voltcam_video.sources.topic_frames import Decoded, TopicFrames
 
 RAW, COMPRESSED = "sensor_msgs/Image", "sensor_msgs/CompressedImage"
@@ -38,18 +38,7 @@ class Ros1Source(Source):
 
     def __init__(self, request: SourceRequest, clock: Clock, stop: threading.Event) -> None:
         super().__init__(request, clock, stop)
-        self.granted = Granted(
-            kind="ros1",
-            live=True,
-            width=0,
-            height=0,
-            fps=None,
-            pixel_format=None,
-            frames=None,
-            backend="TCPROS",
-            clock="sender",
-            levels=self.levels,
-        )
+        self.granted = self._awaiting("ros1", "TCPROS")
         self._frames = TopicFrames(request.shown, self.granted)
         try:
             self._node = Node(Names.of(f"voltcam_{uuid.uuid4().hex[:8]}"))

@@ -15,7 +15,7 @@ from voltcam_video.clock import Clock
 from voltcam_video.frame import Frame
 from voltcam_video.request import SourceRequest
 from voltcam_video.sources.image_message import compressed_image, raw_image
-from voltcam_video.sources.source import Granted, Source, SourceError
+from voltcam_video.sources.source import Source, SourceError
 from voltcam_video.sources.topic_frames import Decoded, TopicFrames
 
 QUEUE_MESSAGES = 2
@@ -33,18 +33,7 @@ class Ros2Source(Source):
 
     def __init__(self, request: SourceRequest, clock: Clock, stop: threading.Event) -> None:
         super().__init__(request, clock, stop)
-        self.granted = Granted(
-            kind="ros2",
-            live=True,
-            width=0,
-            height=0,
-            fps=None,
-            pixel_format=None,
-            frames=None,
-            backend="Cyclone DDS",
-            clock="sender",
-            levels=self.levels,
-        )
+        self.granted = self._awaiting("ros2", "Cyclone DDS")
         self._frames = TopicFrames(request.shown, self.granted)
         self._decode = _decode_raw
         kind = IMAGE

@@ -75,6 +75,21 @@ class Source(ABC):
         """What its grey levels are taken for."""
         return "light" if self.gamma == 1 else "video"
 
+    def _awaiting(self, kind: str, backend: str) -> Granted:
+        """Of one that programs send to: what is not known here, their first frame tells."""
+        return Granted(
+            kind=kind,
+            live=True,
+            width=0,
+            height=0,
+            fps=None,
+            pixel_format=None,
+            frames=None,
+            backend=backend,
+            clock="sender",
+            levels=self.levels,
+        )
+
     def _look_at(self, image: Image) -> None:
         """Of programs that send images of several kinds: those of 8 bits are coded, finer ones are light."""
         self.coded = image.dtype == np.uint8

@@ -3,12 +3,9 @@
 import contextlib
 import importlib.util
 import socket
-import subprocess
-import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Self
 
 import httpx
 import numpy as np
@@ -40,6 +37,7 @@ from voltcam_server.transports.dv import MOST_READERS
 from voltcam_server.transports.dv_reader import READER_BYTES
 
 from ..rig import PATIENCE_S, Daemon, until
+from .other_program import OtherProgram
 
 WIDTH, HEIGHT = 346, 260
 
@@ -94,37 +92,20 @@ def _packet(connection: socket.socket) -> bytes:
     return _take(connection, size)
 
 
-class Reading:
-    """A process of dv-processing's NetworkReader; connected when made, a context manager that ends it."""
+class Reading(OtherProgram):
+    """A process of dv-processing's NetworkReader; connected when made. It says the camera's name."""
 
     def __init__(self, kind: str, port: int, count: int, file: Path) -> None:
         if importlib.util.find_spec("dv_processing") is None:
             pytest.skip("dv-processing, the oracle, is not installed")
-        program = str(Path(__file__).with_name("network_reader.py"))
-        command = [sys.executable, program, kind, str(port), str(count), str(file)]
-        self.file = file
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-        assert self.process.stdout is not None
-        self.name = self.process.stdout.readline().strip()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.process.kill()
-        self.process.communicate()
-
-    def result(self) -> dict[str, np.ndarray]:
-        self.process.communicate(timeout=2 * PATIENCE_S)
-        with np.load(self.file) as arrays:
-            return dict(arrays)
+        super().__init__("network_reader.py", kind, str(port), str(count), str(file), file=file)
 
 
 def test_dv_processing_reads_every_event(transport: DvTransport, tmp_path: Path) -> None:
     packets = [packet(seq, 1 + 37 * seq % 5000) for seq in range(200)]
     expected = np.concatenate([each.events for each in packets])
     with Reading("events", _port(transport), expected.size, tmp_path / "events.npz") as reading:
-        assert reading.name == "DAVIS346_EMU00001 of 346 x 260"
+        assert reading.said == "DAVIS346_EMU00001 of 346 x 260"
         until(lambda: bool(transport.status.clients), "the reader is let in")
         for each in packets:
             transport.publish(events_message(each))
@@ -138,7 +119,7 @@ def test_dv_processing_reads_every_event(transport: DvTransport, tmp_path: Path)
 def test_dv_processing_reads_every_frame(transport: DvTransport, tmp_path: Path) -> None:
     images = np.random.default_rng(1).integers(0, 256, (3, HEIGHT, WIDTH), np.uint8)
     with Reading("frames", _port(transport) + 1, 3, tmp_path / "frames.npz") as reading:
-        assert reading.name == "DAVIS346_EMU00001 of 346 x 260"
+        assert reading.said == "DAVIS346_EMU00001 of 346 x 260"
         until(lambda: bool(transport.status.clients), "the reader is let in")
         for seq, image in enumerate(images):
             transport.publish(frame_message(FrameMessage(image=image, seq=seq, t_us=7000 + seq, stamp_ns=1)))
@@ -164,7 +145,7 @@ def test_dv_processing_reads_triggers_and_imu(transport: DvTransport, tmp_path: 
     streams = ((2, "triggers", TOPIC_TRIGGERS, triggers), (3, "imu", TOPIC_IMU, samples))
     for port, kind, topic, rows in streams:
         with Reading(kind, _port(transport) + port, 3, tmp_path / f"{kind}.npz") as reading:
-            assert reading.name == "DAVIS346_EMU00001 of 0 x 0"
+            assert reading.said == "DAVIS346_EMU00001 of 0 x 0"
             until(lambda: bool(transport.status.clients), "the reader is let in")
             transport.publish(samples_message(topic, SamplesMessage(samples=rows, seq=0, stamp_ns=1)))
             (theirs,) = reading.result().values()

@@ -7,7 +7,6 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Self
 
 import numpy as np
 import pytest
@@ -20,6 +19,7 @@ from voltcam_server.transports import FoxgloveTransport
 from voltcam_server.transports.foxglove import FRAMES, PREVIEW, PREVIEW_S, RATE
 
 from ..rig import PATIENCE_S, Daemon, until
+from .other_program import OtherProgram
 
 WIDTH, HEIGHT = 24, 16
 
@@ -61,35 +61,16 @@ def _port(transport: FoxgloveTransport) -> int:
     return int(transport.address.rpartition(":")[2])
 
 
-class Watching:
-    """A process that subscribes; a context manager that ends it."""
+class Watching(OtherProgram):
+    """A process that subscribes."""
 
     def __init__(self, transport: FoxgloveTransport, file: Path, **wanted: int) -> None:
         topics = {"frames": FRAMES, "preview": PREVIEW, "rate": RATE}
-        program = str(Path(__file__).with_name("foxglove_client.py"))
         pairs = [part for key, count in wanted.items() for part in (topics[key], str(count))]
-        self.file = file
-        self.process = subprocess.Popen(
-            [sys.executable, program, str(_port(transport)), str(file), *pairs],
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        assert self.process.stdout is not None
-        assert self.process.stdout.readline() == "subscribed\n"
+        super().__init__("foxglove_client.py", str(_port(transport)), str(file), *pairs, file=file)
+        assert self.said == "subscribed"
         channels = {"frames": transport._frames, "preview": transport._previews, "rate": transport._rates}
         until(lambda: all(channels[key].has_sinks() for key in wanted), "it is taken in")
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.process.kill()
-        self.process.communicate()
-
-    def result(self) -> dict[str, np.ndarray]:
-        self.process.communicate(timeout=2 * PATIENCE_S)
-        with np.load(self.file) as arrays:
-            return dict(arrays)
 
 
 def test_frames_arrive_as_they_were_sent(transport: FoxgloveTransport, tmp_path: Path) -> None:

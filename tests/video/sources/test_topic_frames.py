@@ -22,6 +22,7 @@ def granted() -> Granted:
         frames=None,
         backend=None,
         clock="sender",
+        levels="light",
     )
 
 
