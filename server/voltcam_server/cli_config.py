@@ -39,6 +39,8 @@ def _run(args: argparse.Namespace) -> int:
             f"  source   {plan.settings.source.shown}{_there(plan.settings.source)}",
             f"  events   {plan.settings.zmq}, {_opens(settings)}",
             f"  DV       {plan.settings.dv}",
+            f"  UDP      {plan.settings.udp}",
+            f"  Foxglove {plan.settings.foxglove}",
             f"  ROS 2    {plan.settings.ros2}",
         ]
     sys.stdout.write("\n".join(lines) + "\n")
@@ -57,7 +59,5 @@ def _opens(settings: Settings) -> str:
 
 def _there(source: SourceRequest) -> str:
     """A word where a file or device is not there now: it may come."""
-    path = source.device or source.uri
-    if source.uri == "scene" or source.ros2_topic or "://" in path or Path(path).exists():
-        return ""
-    return " (not there now)"
+    path = source.device or source.path
+    return "" if path is None or Path(path).exists() else " (not there now)"

@@ -7,17 +7,16 @@ from typing import Any, NamedTuple
 from voltcam_simulator import Parameters, Simulator
 from voltcam_simulator.fixed_pattern import FixedPattern
 
+MOST_GAMMA = 11.0  # the limit of the parameter, beyond which a recording could not be made again
+
 
 def seen_through(parameters: Parameters, gamma: float) -> Parameters:
-    """Parameters of a sensor that is shown grey levels of which light is the power `gamma`.
-
-    Unchecked: the product with the camera's own exponent may be beyond the limits of one.
-    """
+    """Parameters of a sensor that is shown grey levels of which light is the power `gamma`, up to MOST_GAMMA
+    with the camera's own exponent."""
     if gamma == 1:
         return parameters
-    response = parameters.input_response
-    coded = response.model_copy(update={"gamma_exponent": gamma * response.gamma_exponent})
-    return parameters.model_copy(update={"input_response": coded})
+    both = min(gamma * parameters.input_response.gamma_exponent, MOST_GAMMA)
+    return parameters.changed({"input_response": {"gamma_exponent": both}})
 
 
 class _Laid(NamedTuple):

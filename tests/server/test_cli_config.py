@@ -71,3 +71,12 @@ def test_secrets_are_not_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert "rtsp://me:***@cam.local/\n" in said  # a stream is not looked for
     assert "hidden" not in said
     assert "ssss" not in said
+
+
+@pytest.mark.parametrize(
+    "uri", ["scene", "ros1:/camera/image_raw", "ros2:/camera/image_raw", "rtsp://robot/front"]
+)
+def test_what_is_no_file_is_not_missed(uri: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    said = checked(tmp_path, capsys, source={"uri": uri}, udp="spif://127.0.0.1:3333")
+    assert "not there now" not in said
+    assert "UDP      spif://127.0.0.1:3333" in said
