@@ -13,7 +13,7 @@ NETWORK_COMPLAINTS = ("Failed to load resource", "WebSocket connection to")
 
 @pytest.fixture(scope="module")
 def daemon(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Daemon]:
-    daemon = Daemon("--camera", "typical", folder=tmp_path_factory.mktemp("daemon"))
+    daemon = Daemon("--camera", "typical", "--fps", "30", folder=tmp_path_factory.mktemp("daemon"))
     yield daemon
     daemon.kill()
 
