@@ -196,6 +196,13 @@ class RunningCamera:
         return self.plan.name
 
     @property
+    def addresses(self) -> dict[str, str]:
+        """Of its transports, by name, as programs of theirs are told them."""
+        found = {transport.name: transport.status.address for transport in self.transports}
+        found |= {} if self.dv is None else {"dv": self.dv}
+        return found | ({"ros2": self.plan.settings.ros2} if "ros2" in found else {})
+
+    @property
     def answer(self) -> CameraAnswer:
         camera, settings = self.plan.camera, self.plan.settings
         return CameraAnswer(

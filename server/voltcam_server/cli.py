@@ -21,6 +21,14 @@ from .settings import schema as config_schema
 
 CAMERA_HELP = f"{', '.join(camera_names())}, or a camera file (.yaml)"
 DAVIS_OPTIONS = {"frames": "frames", "imu": "imu_hz", "triggers": "triggers_hz"}
+BANNER = {
+    "zeromq": ("events", "{}", "to see them: voltcam listen {}"),
+    "dv": ("DV", "{}", "for dv-processing"),
+    "udp": ("UDP", "{}", "events are sent there, to whoever listens"),
+    "foxglove": ("Foxglove", "{}", "in Foxglove: Open connection, Foxglove WebSocket"),
+    "ros2": ("ROS 2", "{}/events", "ros2 topic hz {}"),
+}
+"""What `voltcam serve` says of each transport: its name, its address, and what to do with it."""
 SOURCE_FIELDS = ("fit", "levels", "width", "height", "fps", "pixel_format")
 
 
@@ -197,15 +205,14 @@ def run_daemon(given: dict[str, Any], config: Path | None, record: str | None) -
     for name, each in settings.each().items():
         print(f"voltcam: {name} looking at {each.source.shown} ...", flush=True)
 
-    def banner(page: str, endpoints: dict[str, tuple[str, str | None]]) -> None:
-        print(f"  page    {page}")
-        for (name, (zmq, dv)), each in zip(endpoints.items(), settings.each().values(), strict=True):
+    def banner(page: str, cameras: dict[str, dict[str, str]]) -> None:
+        print(f"  page      {page}")
+        for name, addresses in cameras.items():
             whose = f"of {name}; " if settings.cameras else ""
-            print(f"  events  {zmq}  ({whose}to see them: voltcam listen {zmq})")
-            if dv is not None:
-                print(f"  DV      {dv}  ({whose}for dv-processing)")
-            if each.ros2 != "off":
-                print(f"  ROS 2   {each.ros2}/events  ({whose}ros2 topic hz {each.ros2}/events)")
+            for transport, (label, shown, remark) in BANNER.items():
+                if transport in addresses:
+                    at = shown.format(addresses[transport])
+                    print(f"  {label:<8}  {at}  ({whose}{remark.format(at)})")
         print("  Ctrl-C ends it", flush=True)
 
     run(settings, record, banner, read)

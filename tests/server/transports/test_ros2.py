@@ -196,7 +196,7 @@ def test_a_domain_that_is_none_is_refused(monkeypatch: pytest.MonkeyPatch) -> No
 def test_the_daemon_publishes_where_it_says(tmp_path: Path) -> None:
     namespace = own_namespace()
     with Daemon("--dv", "off", "--ros2", namespace, "--imu", "100") as daemon:
-        assert f"ROS 2   /{namespace}/events" in daemon.banner
+        assert f"ROS 2     /{namespace}/events" in daemon.banner
         assert daemon.get("camera")["ros2"] == f"/{namespace}"
         assert daemon.get("status")["transports"]["ros2"]["address"] == f"/{namespace}, domain {DOMAIN}"
         with (
