@@ -9,6 +9,7 @@ from typing import Any, get_args
 
 from voltcam_client.cli_arguments import seconds
 from voltcam_client.formats import SUFFIXES
+from voltcam_client.formats.ros_messages import EventsAs
 from voltcam_simulator import Device, Law, camera_names
 from voltcam_simulator.parameters import merged
 from voltcam_video import Fit, Levels
@@ -89,6 +90,16 @@ examples:
         metavar="NAMESPACE",
         help="topics of ROS 2: NAMESPACE/events, image_raw, camera_info, imu; needs voltcam[ros2] "
         "(default: off)",
+    )
+    out.add_argument(
+        "--ros2-messages",
+        choices=get_args(EventsAs),
+        help="events there as event_camera_msgs/EventPacket (packet, the default) or dvs_msgs/EventArray",
+    )
+    out.add_argument(
+        "--camera-info",
+        metavar="FILE.yaml",
+        help="intrinsics for ROS 2, as camera_calibration writes them",
     )
     out.add_argument(
         "--frames",
@@ -263,6 +274,8 @@ def _given(args: argparse.Namespace) -> dict[str, Any]:
             "udp",
             "foxglove",
             "ros2",
+            "ros2_messages",
+            "camera_info",
             "encoding",
         )
         if key in given
