@@ -55,9 +55,8 @@ def run(arguments: Namespace) -> int:
     """Measure everything and print it; the bar goes to standard error."""
     old = BenchReport.read(arguments.compare) if arguments.compare else None
     if arguments.what == "transports":
-        logging.getLogger().addHandler(
-            logging.NullHandler()
-        )  # transports tell of what the bench does to them
+        # Transports tell of what the bench does to them: receivers that are killed, times that begin at 0.
+        logging.getLogger().addHandler(logging.NullHandler())
         figures, steps = [], list(transports())
         sys.stderr.writelines(f"{line}\n" for line in left_out())
     else:

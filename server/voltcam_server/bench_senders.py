@@ -48,7 +48,8 @@ class Kind(NamedTuple):
     """open: a sender for as long as it is needed. wire_bytes: of a packet.
 
     plain: the socket beside it, None for none; plain_receiver: that of it. needs: a library's module, and the
-    extra that brings it. ahead: packets under way. pictures: it is they that arrive, not events.
+    extra that brings it. ahead: packets under way at most. period_s: from one packet to the next, where
+    latency is measured. pictures: it is they that arrive, not events.
     """
 
     open: Callable[[], AbstractContextManager[Sender]]
