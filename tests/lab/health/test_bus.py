@@ -12,10 +12,12 @@ def storm(row_us: float, event_us: float) -> np.ndarray:
     bus = {"readout": {"row_us": row_us, "event_us": event_us}, "contrast_response": {"k1": 2.0}}
     simulator = Simulator(160, 90, Parameters.of("ideal").changed(bus), seed=1)
     rng, found = np.random.default_rng(2), [np.empty(0, EVENT)]
+    former = np.full((90, 160), 90, np.float32)
     for k in range(60):
         lit = rng.random((90, 160)) < rng.uniform(0.02, 0.12)
         image = np.where(lit, 60 + 150 * (k % 2), 90).astype(np.float32)
-        found += [simulator.advance(image, 20_000 * k + after_us) for after_us in (1, 10_000)]
+        found += [simulator.advance(former, 20_000 * k), simulator.advance(image, 20_000 * k + 1)]
+        former = image
     return np.concatenate(found)
 
 
