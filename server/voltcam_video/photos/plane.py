@@ -1,5 +1,6 @@
 """What a plane shows: the light of a photograph, cut out or without end."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from voltcam_video.photos.light import Light, shrunk
 
 FINENESS = 2  # texels per pixel: light between texels is interpolated, which blurs by up to half a texel
 OPTICS_PX = 0.5  # sigma of the blur by lens and pixel area: finer detail would flicker as it moves
+LONGEST = 2.0
 BACKGROUND = 1.5  # sides of the background, in those of the frame; beyond, it is mirrored
 CUTOUT = 0.3, 0.7  # sides of a cut-out, in the frame's shorter side
 SOFT_PX = 4.0  # sigma of a soft edge
@@ -55,7 +57,15 @@ class Plane:
 
 
 def background(photograph: Light, width: int, height: int) -> Plane:
-    """The whole photograph, BACKGROUND times as large as the frame along the side where it is scarcer."""
+    """The photograph, BACKGROUND times as large as the frame along the side where it is scarcer, and at most
+    LONGEST times that along the other.
+    """
+    rows, columns = photograph.shape
+    most_rows, most_columns = (
+        math.ceil(LONGEST * columns * height / width),
+        math.ceil(LONGEST * rows * width / height),
+    )
+    photograph = photograph[:most_rows, :most_columns]
     rows, columns = photograph.shape
     scale = BACKGROUND * FINENESS * max(width / columns, height / rows)
     size = max(2, round(columns * scale)), max(2, round(rows * scale))

@@ -179,5 +179,11 @@ def test_what_cannot_be_is_refused(change: dict[str, object], says: str) -> None
         PhotoScene(**asked)  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize("size", [(1, 5000), (5000, 1), (3, 900)])
+def test_a_long_thin_photograph_is_cut(size: tuple[int, int]) -> None:
+    made = PhotoScene([np.full(size, 9.0, np.float32)], 40, 30, layers=2)
+    np.testing.assert_allclose(made.frame(T_US), 9.0, rtol=1e-5)
+
+
 def test_a_photograph_of_one_pixel_is_one() -> None:
     np.testing.assert_allclose(PhotoScene([np.full((1, 1), 7.0)], 8, 8).frame(T_US), 7.0, rtol=1e-5)
