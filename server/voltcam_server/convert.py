@@ -32,7 +32,6 @@ from voltcam_video.sources.photos import PhotosSource
 
 from .cores import threads_for
 from .ground_truth import GroundTruthWriter
-from .parameter_changes import seen_through
 from .problems import UsageError, one_line
 from .signals import ended_by_signal
 
@@ -88,7 +87,7 @@ def _simulate(source: Source, job: Conversion, stop: threading.Event) -> str:
         simulator = Simulator(
             width,
             height,
-            seen_through(job.camera.parameters, source.gamma),
+            job.camera.parameters.seen_through(source.gamma),
             job.law,
             job.seed,
             threads_for(width, height),
