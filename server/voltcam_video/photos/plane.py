@@ -34,26 +34,20 @@ class Plane:
 
     def seen(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[Light, Light | None]:
         """Light and cover at points of the plane [pixels from its middle], light multiplied by cover."""
-        u, v = x * FINENESS + self.middle[0], y * FINENESS + self.middle[1]
         rows, columns = self.light.shape
-        if self.cover is None:
-            u, v = _mirrored(u, columns - 1), _mirrored(v, rows - 1)
-        inside = (u >= 0) & (u <= columns - 1) & (v >= 0) & (v <= rows - 1)
-        left = np.clip(u.astype(np.int64), 0, columns - 2)
-        top = np.clip(v.astype(np.int64), 0, rows - 2)
+        onto = _mirrored if self.cover is None else _clamped  # a cut-out hides nothing at its rim
+        u = onto(x * FINENESS + self.middle[0], columns - 1)
+        v = onto(y * FINENESS + self.middle[1], rows - 1)
+        left, top = np.minimum(u.astype(np.int64), columns - 2), np.minimum(v.astype(np.int64), rows - 2)
         across, down = (u - left).astype(np.float32), (v - top).astype(np.float32)
-        first = top * columns + left
+        corners = [first := top * columns + left, first + 1, first + columns, first + columns + 1]
 
         def between(texels: Light) -> Light:
-            upper = texels.take(first) * (1 - across) + texels.take(first + 1) * across
-            lower = texels.take(first + columns) * (1 - across) + texels.take(first + columns + 1) * across
-            value: Light = upper * (1 - down) + lower * down
-            return value
+            a, b, c, d = (texels.take(corner) for corner in corners)
+            upper, lower = a + across * (b - a), c + across * (d - c)
+            return np.asarray(upper + down * (lower - upper), np.float32)
 
-        if self.cover is None:
-            return between(self.light), None
-        cover = np.where(inside, between(self.cover), np.float32(0))
-        return np.where(inside, between(self.light), np.float32(0)), cover
+        return between(self.light), None if self.cover is None else between(self.cover)
 
 
 def background(photograph: Light, width: int, height: int) -> Plane:
@@ -105,5 +99,11 @@ def _blurred(light: Light, sigma_px: float = OPTICS_PX) -> Light:
 
 def _mirrored(x: NDArray[np.float64], last: int) -> NDArray[np.float64]:
     """Coordinates of a row of texels 0..last that goes on mirrored on both sides."""
+    if x.min() >= 0 and x.max() <= last:
+        return x
     folded: NDArray[np.float64] = np.mod(x, 2 * last)
     return np.minimum(folded, 2 * last - folded)
+
+
+def _clamped(x: NDArray[np.float64], last: int) -> NDArray[np.float64]:
+    return np.minimum(np.maximum(x, 0), last)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from voltcam_video.photos.light import Light, light_of
 from voltcam_video.photos.motion import Matrix, PlaneMotion, displaced
-from voltcam_video.photos.plane import Plane, background, cutout
+from voltcam_video.photos.plane import FINENESS, Plane, background, cutout
 
 LAYERS = 4
 SPEED_PX_S = 100.0
@@ -24,6 +24,7 @@ class PhotoScene:
     photographs: any sequence of what `light_of` takes; only those drawn are looked at, again where there are
     fewer than layers. width, height: of a frame. layers: planes, the background among them, from 1.
     speed_px_s: r.m.s. speed of the background's middle. seed: the same gives the same scene.
+    crop: (left, top, width, height), the part of the frame that is drawn; None: all.
 
     Every answer is a pure function of time. Light is what falls on a pixel at that moment: no exposure time
     blurs it. Raises ValueError.
@@ -41,6 +42,7 @@ class PhotoScene:
         layers: int = LAYERS,
         speed_px_s: float = SPEED_PX_S,
         seed: int = 0,
+        crop: tuple[int, int, int, int] | None = None,
     ) -> None:
         if not len(photographs):
             raise ValueError("a scene needs a photograph, and there is none")
@@ -50,7 +52,11 @@ class PhotoScene:
             raise ValueError(f"a scene has 1 to 255 layers, not {layers}")
         if not (speed_px_s > 0 and np.isfinite(speed_px_s)):
             raise ValueError(f"a speed is above 0 pixels per second, not {speed_px_s}")
-        self.width, self.height, self.layers = width, height, layers
+        left, top, *size = crop or (0, 0, width, height)
+        if not (0 <= left < left + size[0] <= width and 0 <= top < top + size[1] <= height):
+            raise ValueError(f"a crop of {crop} is not within a frame of {width} x {height}")
+        self.width, self.height, self.layers = *size, layers
+        self._to_crop = np.array([[1.0, 0.0, -left], [0.0, 1.0, -top], [0.0, 0.0, 1.0]])
         rng = np.random.default_rng(seed)
         turns = -(-layers // len(photographs))
         which = np.concatenate([rng.permutation(len(photographs)) for _ in range(turns)])[:layers].tolist()
@@ -68,7 +74,7 @@ class PhotoScene:
     def frame(self, t_us: float) -> Light:
         """Light at `t_us`, (H, W) float32 in 0..255 DN."""
         image = np.empty((self.height, self.width), np.float32)
-        for part, light, cover in self._seen(t_us):
+        for _, part, light, cover in self._seen(t_us):
             image[part] = light if cover is None else image[part] * (1 - cover) + light
         return image
 
@@ -78,7 +84,7 @@ class PhotoScene:
         Of a soft edge, where two are seen through each other: the one that covers at least half.
         """
         order = np.zeros((self.height, self.width), np.uint8)
-        for layer, (part, _, cover) in enumerate(self._seen(t_us)):
+        for layer, part, _, cover in self._seen(t_us):
             if cover is not None:
                 order[part][cover >= 0.5] = layer
         return order
@@ -89,7 +95,7 @@ class PhotoScene:
         flow = np.empty((self.height, self.width, 2), np.float32)
         for layer in range(self.layers):
             y, x = np.nonzero(order == layer)
-            matrix, change = self._motions[layer].at(t_us)
+            matrix, change = (self._to_crop @ each for each in self._motions[layer].at(t_us))
             rate = change @ np.linalg.inv(
                 matrix
             )  # of a point (x, y, 1) of the frame that goes with the plane
@@ -102,26 +108,28 @@ class PhotoScene:
 
         What a pixel (x, y) of layer n shows at t0 is at `displaced(x, y, H1[n] @ inv(H0[n]))` at t1.
         """
-        return np.stack([motion.at(t_us)[0] for motion in self._motions])
+        return np.stack([self._to_crop @ motion.at(t_us)[0] for motion in self._motions])
 
-    def _seen(self, t_us: float) -> list[tuple[_Part, Light, Light | None]]:
-        """From the farthest to the nearest: which part of the frame, its light, and its cover."""
+    def _seen(self, t_us: float) -> list[tuple[int, _Part, Light, Light | None]]:
+        """From the farthest to the nearest: layer, part of the frame where it may be, its light and cover."""
         seen = []
-        for plane, matrix in zip(self._planes, self.homographies(t_us), strict=True):
+        for layer, (plane, matrix) in enumerate(zip(self._planes, self.homographies(t_us), strict=True)):
             part = self._part(plane, matrix)
+            if any(side.start >= side.stop for side in part):
+                continue
             x = np.arange(self.width, dtype=np.float64)[None, part[1]]
             y = np.arange(self.height, dtype=np.float64)[part[0], None]
-            seen.append((part, *plane.seen(*displaced(x, y, np.linalg.inv(matrix)))))
+            seen.append((layer, part, *plane.seen(*displaced(x, y, np.linalg.inv(matrix)))))
         return seen
 
     def _part(self, plane: Plane, matrix: Matrix) -> _Part:
         """The rows and columns within which the frame shows the plane."""
         if plane.cover is None:
             return slice(0, self.height), slice(0, self.width)
-        half_x, half_y = plane.middle  # texels are finer than pixels: this is far enough
+        half_x, half_y = plane.middle
         x, y = displaced(
-            np.array([-half_x, half_x, -half_x, half_x]) / 2,
-            np.array([-half_y, -half_y, half_y, half_y]) / 2,
+            np.array([-half_x, half_x, -half_x, half_x]) / FINENESS,
+            np.array([-half_y, -half_y, half_y, half_y]) / FINENESS,
             matrix,
         )
         low = np.floor([y.min(), x.min()]).astype(int)

@@ -1,5 +1,7 @@
 """Scenes whose photographs are smooth or even, so that light itself tells where a point is."""
 
+from typing import Any
+
 import cv2
 import numpy as np
 import pytest
@@ -27,7 +29,7 @@ def even(light: float) -> np.ndarray:
     return np.full((40, 50), light, np.float32)
 
 
-def scene(seed: int = 0, layers: int = 4, **more: float) -> PhotoScene:
+def scene(seed: int = 0, layers: int = 4, **more: Any) -> PhotoScene:
     photographs = [textured(i) for i in range(5)]
     return PhotoScene(photographs, WIDTH, HEIGHT, layers=layers, seed=seed, **more)
 
@@ -136,6 +138,17 @@ def test_nearer_planes_hide_farther_ones() -> None:
     assert hidden > 3
 
 
+def test_a_crop_is_a_part_of_the_frame() -> None:
+    for seed in range(4):
+        whole, part = scene(seed), scene(seed, crop=(50, 20, 33, 41))
+        here = np.s_[20:61, 50:83]
+        assert part.frame(T_US).shape == (41, 33)
+        np.testing.assert_allclose(part.frame(T_US), whole.frame(T_US)[here], atol=1e-2)
+        assert (part.order(T_US) == whole.order(T_US)[here]).mean() > 0.999
+        same = part.order(T_US) == whole.order(T_US)[here]
+        np.testing.assert_allclose(part.flow(T_US)[same], whole.flow(T_US)[here][same], rtol=1e-3, atol=1e-2)
+
+
 def test_cutouts_pass_and_are_away_at_times() -> None:
     made = scene(5, layers=2)
     seen = [(made.order(t_us) == 1).mean() for t_us in np.linspace(0, 3e7, 300)]
@@ -167,6 +180,8 @@ def test_only_photographs_that_are_drawn_are_looked_at() -> None:
     [
         ({"photographs": []}, "needs a photograph"),
         ({"width": 1}, "at least 2 x 2"),
+        ({"crop": (1, 0, 8, 8)}, "not within a frame of 8 x 8"),
+        ({"crop": (0, 0, 0, 8)}, "not within a frame of 8 x 8"),
         ({"layers": 0}, "1 to 255 layers"),
         ({"layers": 256}, "1 to 255 layers"),
         ({"speed_px_s": 0.0}, "a speed is above 0"),
