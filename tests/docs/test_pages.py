@@ -1,6 +1,7 @@
 """Every block of every page is run, or says why not; every `voltcam` command in them can be given so."""
 
 import contextlib
+import importlib.util
 import json
 import os
 import re
@@ -133,8 +134,14 @@ def test_the_blocks_of_a_page_run(page: Path, tmp_path: Path, monkeypatch: pytes
     monkeypatch.chdir(tmp_path)
     with daemon_of(page, tmp_path) as daemon, at_most(LIMIT_S):
         reader = Reader(tmp_path, daemon)
+        missing = set()
         for block in runs(page):
-            reader.run(block, page)
+            lacks = {name for name in block.needs if importlib.util.find_spec(name) is None}
+            missing |= lacks
+            if not lacks:
+                reader.run(block, page)
+    if missing:
+        pytest.skip(f"blocks that need {', '.join(sorted(missing))} were not run")
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,7 @@ class DaskEngine(Engine):
         self._address = address
         try:
             self._client: Any = self._distributed.Client(
-                address.replace(PREFIX, "tcp://", 1), timeout=CONNECT_S, set_as_default=False
+                address.replace(PREFIX, "tcp://", 1), timeout=CONNECT_S
             )
         except (OSError, ValueError) as error:
             raise UsageError(f"{address}: no Dask scheduler answers: {one_line(error)}") from None
