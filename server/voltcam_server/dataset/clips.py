@@ -6,8 +6,10 @@ import re
 import threading
 from dataclasses import dataclass
 from pathlib import Path
+from urllib.parse import urlencode
 
 from voltcam_video import Levels, Source, SourceRequest, open_source
+from voltcam_video.request import PHOTOS
 from voltcam_video.sources.images import ImagesSource
 from voltcam_video.sources.timed_images import Unit, evenly_timed, timed_by
 
@@ -22,7 +24,8 @@ LONGEST_NAME = 200  # bytes; endings come behind it
 @dataclass(frozen=True)
 class Clip:
     """One input. name: its path below the fixed part of the pattern that found it, and what its seeds are
-    made from. fps, stamps, unit: of a folder of images without a list. labels, table: beside it, or None."""
+    made from. fps, stamps, unit: of a folder of images without a list. labels, table: beside it, or None.
+    scene: the options of a scene that a folder's photographs make. truth: whether its flow goes along."""
 
     name: str
     path: Path
@@ -32,11 +35,20 @@ class Clip:
     unit: Unit = "s"
     labels: Path | None = None
     table: Path | None = None
+    scene: str | None = None
+    truth: bool = False
 
-    def open(self) -> Source:
-        """Its frames. Raises SourceError."""
+    def open(self, width: int, height: int) -> Source:
+        """Its frames; those of a scene have the size of the sensor. Raises SourceError."""
         # A path with a folder before it: a folder "scene" is not the built-in one, a file "0" is no camera.
         uri = str(self.path) if self.path.is_absolute() else f"./{self.path}"
+        if self.scene is not None:
+            return open_source(
+                SourceRequest(
+                    uri=f"{PHOTOS}{uri}?{self.scene}", pace="fast", width=width, height=height, fps=self.fps
+                ),
+                stop=threading.Event(),
+            )
         request = SourceRequest(uri=uri, pace="fast", levels=self.levels)
         if not self.path.is_dir() or (self.fps is None and self.stamps is None):
             return open_source(request, stop=threading.Event())
@@ -50,7 +62,8 @@ class Clip:
     @property
     def settings(self) -> str:
         """What of it changes what is made, beside its frames."""
-        return f"{self.fps} {self.stamps} {self.unit} {self.labels is not None} {self.table is not None}"
+        beside = f"{self.labels is not None} {self.table is not None} {self.truth}"
+        return f"{self.fps} {self.stamps} {self.unit} {self.scene} {beside}"
 
 
 @dataclass(frozen=True)
@@ -72,7 +85,7 @@ class Item:
 
 def clips_of(spec: Spec) -> list[Clip]:
     """In order of their names. Raises UsageError for a pattern that finds nothing, and for equal names."""
-    clips = [clip for each in spec.inputs for clip in _found(each, spec.levels)]
+    clips = [clip for each in spec.inputs for clip in _found(each, spec)]
     names: dict[str, Path] = {}
     for clip in clips:
         if clip.name in names:
@@ -115,14 +128,26 @@ def seed_of(seed: int, name: str, variant: int) -> int:
     return int.from_bytes(digest[:8], "big") >> 1
 
 
-def _found(each: Input, levels: Levels) -> list[Clip]:
+def _found(each: Input, spec: Spec) -> list[Clip]:
     base = _fixed(each.files)
     paths = [Path(path) for path in sorted(glob.glob(each.files, recursive=True))]  # noqa: PTH207
     if not paths:
         raise UsageError(f"inputs: {each.files} finds nothing: correct the pattern, or fill the folder")
     if len(paths) == 1 and paths[0].is_dir() and not any(paths[0].iterdir()):
         raise UsageError(f"inputs: {paths[0]} is empty: fill the folder, or leave it out")
-    return [_clip(each, path, base, levels) for path in paths]
+    if each.scenes is not None:
+        return [
+            _scene(each, path, base, spec.seed, number) for path in paths for number in range(each.scenes)
+        ]
+    return [_clip(each, path, base, spec.levels) for path in paths]
+
+
+def _scene(each: Input, folder: Path, base: Path, seed: int, number: int) -> Clip:
+    """How it moves is the same for all variants of it: they differ in their cameras."""
+    name = f"{each.name}/{folder.relative_to(base)}/scene-{number:06}".lstrip("/")
+    given = {"layers": each.layers, "speed": each.speed}
+    options = {"seed": seed_of(seed, name, -1)} | {key: value for key, value in given.items() if value}
+    return Clip(name, folder, fps=each.fps, scene=urlencode(options), truth=each.truth)
 
 
 def _clip(each: Input, path: Path, base: Path, levels: Levels) -> Clip:

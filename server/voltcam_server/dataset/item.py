@@ -6,6 +6,7 @@ import shutil
 import tempfile
 from collections import deque
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -19,7 +20,9 @@ from voltcam_client.formats import FormatError, Writer, open_writer
 from voltcam_lab.drawn_camera import CameraDistribution
 from voltcam_simulator import Camera, Device, Law, NoDeviceError, Simulator
 from voltcam_video import Fit, Frame, Image, Source, SourceError, Upsampling, between, fit
+from voltcam_video.sources.photos import PhotosSource
 
+from ..ground_truth import GroundTruthWriter
 from ..manifest import software
 from ..problems import one_line
 from .clips import Item
@@ -171,12 +174,20 @@ def _written(item: Item, making: Making, path: Path) -> tuple[list[Path], dict[s
     camera = camera_of(item, making.cameras)
     size = (camera.width, camera.height)
     taken_us, on, files = list[int](), 0, [path]
-    with item.clip.open() as source, open_writer(path, width=size[0], height=size[1]) as writer:
+    with ExitStack() as opened:
+        source = opened.enter_context(item.clip.open(*size))
+        writer = opened.enter_context(open_writer(path, width=size[0], height=size[1]))
+        truth: GroundTruthWriter | None = None
+        if item.clip.truth and isinstance(source, PhotosSource):
+            files.append(path.with_name(f"{path.name}.truth.h5"))
+            truth = opened.enter_context(GroundTruthWriter(files[-1], source.scene, item.clip.name))
 
         def look(image: Image, t_us: int) -> None:
             taken_us.append(t_us)
             if making.frames:
                 writer.frame(as_u8(image), t_us)
+            if truth is not None:
+                truth.frame(image, t_us)
 
         for events in simulate(item, making, source, camera, look):
             writer.events(events)

@@ -16,6 +16,8 @@ from .item import ClipError
 from .labels import BesideError, check_labels
 from .tables import check_table
 
+SIDE = 64  # pixels: of a scene, which has the size that one asks for
+
 
 @dataclass(frozen=True)
 class Probed:
@@ -37,10 +39,14 @@ def probed(clips: Iterable[Clip], seconds: float | None) -> Iterator[Probed]:
 
 def _look(clip: Clip, seconds: float | None) -> int:
     """How many frames are wanted of it. Raises what `probed` tells."""
-    if clip.path.is_dir():
+    if clip.path.is_dir() and clip.scene is None:
         _one_size(clip.path)
-    with clip.open() as source:
+    with clip.open(SIDE, SIDE) as source:
         granted = source.granted
+        endless = source.endless
+    if endless:
+        assert seconds is not None
+        return int(seconds * (granted["fps"] or 0)) + 1
     frames = granted["frames"]
     if frames == 1:
         raise ClipError(f"{clip.path} has one frame: events need two, give a longer one")
@@ -82,5 +88,5 @@ def _count_differs(labels: Path, frames: int) -> bool:
 
 
 def _counted(clip: Clip) -> int:
-    with clip.open() as source:
+    with clip.open(SIDE, SIDE) as source:
         return sum(1 for _ in source)

@@ -41,7 +41,7 @@ def space_for(items: Sequence[Item], frames: Sequence[int], making: Making) -> D
         camera = camera_of(item, making.cameras)
         pixels = max(pixels, camera.width * camera.height)
         try:
-            with item.clip.open() as source:
+            with item.clip.open(camera.width, camera.height) as source:
                 steps = simulate(item, making, source, camera, lambda *_: None, SAMPLE_FRAMES)
                 events.append(sum(len(one) for one in steps) / SAMPLE_FRAMES)
         except (SourceError, ClipError, ValueError):

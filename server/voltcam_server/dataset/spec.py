@@ -37,11 +37,17 @@ class Input(BaseModel):
         min_length=1, description="a pattern, such as videos/**/*.mp4; a folder of images is one"
     )
     name: str = Field("", description="before the names of its items, where two inputs have the same names")
-    fps: float | None = Field(None, gt=0, le=1e6, description="of images without times")
+    fps: float | None = Field(None, gt=0, le=1e6, description="of images without times, and of scenes")
     stamps: str | None = Field(
         None, description="a file with a time for each image, as seen from their folder"
     )
     stamps_unit: Unit = Field("s", description="of these times")
+    scenes: int | None = Field(
+        None, ge=1, le=1_000_000, description="of a folder of photographs: so many scenes in which they move"
+    )
+    layers: int | None = Field(None, ge=1, le=16, description="of such a scene")
+    speed: float | None = Field(None, gt=0, le=1e5, description="of such a scene, pixels a second")
+    truth: bool = Field(False, description="flow and depth order of such a scene, beside its events")
     labels: str | None = Field(
         None,
         description="a folder with a label image for each frame; {stem}, {name}, {folder} are the item's",
@@ -114,6 +120,8 @@ def spec_of(content: Mapping[str, Any], origin: str, folder: Path = Path()) -> S
         "camera": tuple(str(folder / name) if _is_file(name) else name for name in spec.camera),
     })  # fmt: skip
     found.cameras()
+    if spec.seconds is None and any(each.scenes is not None for each in spec.inputs):
+        raise UsageError(f"{origin}: scenes do not end by themselves: give seconds")
     return found
 
 

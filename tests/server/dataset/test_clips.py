@@ -63,7 +63,7 @@ def test_images_without_times_take_those_that_are_given(tmp_path: Path) -> None:
         ({"stamps": "stamps.txt"}, 125_000, 500_000),
     ):
         [one] = clips_of(spec(tmp_path, {"files": f"{tmp_path}/in/*"} | given))
-        with one.open() as source:
+        with one.open(24, 16) as source:
             assert source.levels == "video"
             frames = list(source)
         assert [frame.t_us for frame in frames] == [first_us + period_us * i for i in range(12)]
@@ -71,7 +71,7 @@ def test_images_without_times_take_those_that_are_given(tmp_path: Path) -> None:
         assert starts[:9] == [2 * i for i in range(9)], "2.png comes before 10.png"
     [bare] = clips_of(spec(tmp_path, f"{tmp_path}/in/*"))
     with pytest.raises(SourceError, match=r"no images\.txt in this folder"):
-        bare.open()
+        bare.open(24, 16)
 
 
 def test_a_list_of_the_folder_s_own_comes_before_a_rate(tmp_path: Path) -> None:
@@ -79,7 +79,7 @@ def test_a_list_of_the_folder_s_own_comes_before_a_rate(tmp_path: Path) -> None:
     (folder / "images.txt").write_text("0.5 0.png\n0.7 1.png\n")
     (folder / "events.txt").write_text("")
     [one] = clips_of(spec(tmp_path, {"files": f"{tmp_path}/in/*", "fps": 50}))
-    with one.open() as source:
+    with one.open(24, 16) as source:
         assert isinstance(source, ImagesSource)
         assert source.levels == "light", "beside events they are a camera's own"
         assert [frame.t_us for frame in source] == [500_000, 700_000]
@@ -92,4 +92,4 @@ def test_a_folder_called_scene_is_not_the_built_in_one(
     monkeypatch.chdir(tmp_path)
     [one] = clips_of(spec(tmp_path, {"files": "scene"}))
     with pytest.raises(SourceError, match=r"no images\.txt"):
-        one.open()
+        one.open(24, 16)

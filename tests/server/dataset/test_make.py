@@ -212,6 +212,29 @@ def test_labels_and_tables_go_along_with_their_times(tmp_path: Path) -> None:
     ]  # fmt: skip
 
 
+def test_scenes_of_photographs_are_clips_of_the_sensor_s_size(tmp_path: Path) -> None:
+    image_folder(tmp_path / "photographs", 3)
+    inputs = {"files": str(tmp_path / "photographs"), "scenes": 2, "fps": 100, "speed": 200, "truth": True}
+    done = made(spec(tmp_path, inputs, seconds=0.05, variants=2, parameters=DRAWN), tmp_path / "set")
+    assert (done.made, done.failed) == (4, 0)
+    lines = read_manifest(tmp_path / "set")
+    assert [line["name"] for line in lines[::2]] == ["photographs/scene-000000", "photographs/scene-000001"]
+    truths = []
+    for line in lines:
+        recording = read(tmp_path / "set" / line["path"])
+        assert recording.frame_t_us is not None
+        with h5py.File(tmp_path / "set" / f"{line['path']}.truth.h5") as file:
+            assert np.array_equal(file["t_us"], recording.frame_t_us)
+            assert np.array_equal(np.rint(file["light"]), recording.frames)
+            truths.append(np.array(file["flow"]))
+        assert line["levels"] == "light"
+        assert line["frames"] == 6
+    assert np.array_equal(truths[0], truths[1]), "variants are of one scene"
+    assert not np.array_equal(truths[0], truths[2])
+    with pytest.raises(UsageError, match="test: scenes do not end by themselves: give seconds"):
+        spec(tmp_path, inputs)
+
+
 def test_items_without_frames_have_none(tmp_path: Path) -> None:
     made(spec(tmp_path, f"{clips(tmp_path / 'in', 1)}/*", frames=False), tmp_path / "set")
     with h5py.File(tmp_path / "set" / "items" / "clip0.npz.0.h5") as file:
