@@ -18,12 +18,14 @@ release = metadata.version("voltcam")
 html_title = f"Voltcam {release}"
 
 extensions = ["myst_parser", "sphinx.ext.autodoc"]
+autodoc_mock_imports = ["torch"]  # not in [docs]: it is large
 nitpicky = True
 # Names in our signatures that have no entry here: other libraries', and effects, which have a page of theirs.
 nitpick_ignore_regex = [
-    ("py:.*", r"(np|npt|numpy|pydantic|collections|pathlib|typing|argparse|zmq)\..*"),
+    ("py:.*", r"(np|npt|numpy|torch|pydantic|collections|pathlib|typing|argparse|zmq)\..*"),
     ("py:.*", r"voltcam_simulator\.effects?\..*"),
     ("py:.*", r"voltcam_client\.camera\.Message"),
+    ("py:.*", r"voltcam_video\.frame\.Frame"),
     ("py:.*", r"voltcam_simulator\.fixed_pattern\.FixedPattern"),
 ]
 

@@ -55,7 +55,7 @@ examples:
         "--source",
         metavar="URI",
         help="scene (built in), a camera (0 or /dev/video0), a video file, a folder with images.txt, "
-        "an .npz, a stream (rtsp://, http://, udp://), or ros1:TOPIC",
+        "an .npz, a stream (rtsp://, http://, udp://), ros1:TOPIC, or photos:FOLDER",
     )
     source.add_argument("--loop", action="store_true", default=None, help="play a recording again and again")
     source.add_argument(
@@ -128,7 +128,7 @@ def convert(parser: argparse.ArgumentParser) -> None:
     parser.description = "Turn frames into an event file: as fast as possible, no frame left out."
     parser.epilog = f"""\
 INPUT is a video, a folder with images.txt (the Event Camera Dataset's layout), an .npz with frames and t_us,
-or a camera or stream with --seconds. A recording without frames is copied into the other format.
+or, with --seconds, a camera, a stream or photos:FOLDER. A recording without frames is copied.
 
 formats, by the suffix of OUTPUT:
 {formats}
@@ -151,6 +151,13 @@ What was written is kept, and reads as it is, after an error or Ctrl-C."""
         "--copy",
         action="store_true",
         help="copy a recording's events and frames; without it its frames are simulated anew",
+    )
+    parser.add_argument("--fps", metavar="N", help="frames per second, of the scene and of photographs")
+    parser.add_argument(
+        "--truth",
+        metavar="FILE.h5",
+        type=Path,
+        help="of photos:FOLDER: write light, flow and depth order of each frame",
     )
     parser.set_defaults(run=_convert)
 
@@ -246,6 +253,7 @@ def _convert(args: argparse.Namespace) -> int:
         seconds=args.seconds,
         overwrite=args.overwrite,
         copy=args.copy,
+        truth=args.truth,
     )
     print(run(job))
     return 0

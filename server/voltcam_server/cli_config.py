@@ -59,5 +59,5 @@ def _opens(settings: Settings) -> str:
 
 def _there(source: SourceRequest) -> str:
     """A word where a file or device is not there now: it may come."""
-    path = source.device or source.path
+    path = source.device or source.photo_folder or source.path
     return "" if path is None or Path(path).exists() else " (not there now)"

@@ -1,5 +1,6 @@
 """Frames to an event file: offline, as fast as possible, no frame left out."""
 
+import contextlib
 import math
 import threading
 import time
@@ -27,16 +28,19 @@ from voltcam_video import (
     open_source,
 )
 from voltcam_video.sources import MemorySource
+from voltcam_video.sources.photos import PhotosSource
 
 from .cores import threads_for
-from .parameter_changes import seen_through
+from .ground_truth import GroundTruthWriter
 from .problems import UsageError, one_line
 from .signals import ended_by_signal
 
 
 @dataclass(frozen=True)
 class Conversion:
-    """What is to be done. seconds: of the source's time, None for all of it."""
+    """What is to be done. seconds: of the source's time, None for all of it. truth: where flow and order of a
+    scene from photographs go.
+    """
 
     source: SourceRequest
     camera: Camera
@@ -48,6 +52,7 @@ class Conversion:
     seconds: float | None = None
     overwrite: bool = False
     copy: bool = False  # a recording with frames is copied, too, not simulated
+    truth: Path | None = None
 
 
 def convert(job: Conversion) -> str:
@@ -57,6 +62,10 @@ def convert(job: Conversion) -> str:
     read, FormatError and RecordingError as the output's writer does; what came before is in the output.
     """
     path = Path(job.source.uri)
+    if job.truth is not None and job.source.photo_folder is None:
+        raise UsageError(
+            f"{job.source.shown}: flow and order are known of photos:FOLDER only; leave --truth away"
+        )
     if job.copy:
         return _copy(read(path), job)
     recording = _recording(path)
@@ -78,7 +87,7 @@ def _simulate(source: Source, job: Conversion, stop: threading.Event) -> str:
         simulator = Simulator(
             width,
             height,
-            seen_through(job.camera.parameters, source.gamma),
+            job.camera.parameters.seen_through(source.gamma),
             job.law,
             job.seed,
             threads_for(width, height),
@@ -94,10 +103,15 @@ def _simulate(source: Source, job: Conversion, stop: threading.Event) -> str:
         for frame in _progress(_until(source, job.seconds, stop), source, writer):
             if last_us is not None and frame.t_us <= last_us:
                 raise ValueError(f"its time, {frame.t_us} us, does not come after the last one, {last_us} us")
+            if truth is not None:
+                truth.frame(frame.image, frame.t_us)
             yield replace(frame, image=fit(frame.image, width, height, job.source.fit))
             frames, last_us = frames + 1, frame.t_us
 
-    with open_writer(job.output, width=width, height=height, overwrite=job.overwrite) as writer:
+    with (
+        open_writer(job.output, width=width, height=height, overwrite=job.overwrite) as writer,
+        _truth(source, job) as truth,
+    ):
         try:
             frames_between = between(fitted(), job.upsample)
             for events in simulator.stream((frame.image, frame.t_us) for frame in frames_between):
@@ -133,8 +147,26 @@ def _progress(frames: Iterator[Frame], source: Source, writer: Writer) -> Iterat
 
 def _source(recording: Recording | None, job: Conversion, stop: threading.Event) -> Source:
     if recording is None or recording.frames is None or recording.frame_t_us is None:
-        return open_source(job.source, stop=stop)
+        return open_source(_of_the_camera_s_size(job), stop=stop)
     return MemorySource(job.source, recording.frames, recording.frame_t_us, stop=stop)
+
+
+def _of_the_camera_s_size(job: Conversion) -> SourceRequest:
+    """What is made of photographs is made pixel for pixel, so that its flow is that of the events."""
+    if job.source.photo_folder is None:
+        return job.source
+    return job.source.model_copy(update={"width": job.camera.width, "height": job.camera.height})
+
+
+def _truth(source: Source, job: Conversion) -> contextlib.AbstractContextManager[GroundTruthWriter | None]:
+    if job.truth is None or not isinstance(source, PhotosSource):
+        return contextlib.nullcontext()
+    try:
+        return GroundTruthWriter(job.truth, source.scene, job.source.shown, overwrite=job.overwrite)
+    except FileExistsError:
+        raise UsageError(f"{job.truth} exists: give another name, or --overwrite") from None
+    except OSError as error:
+        raise UsageError(f"{job.truth}: {one_line(error)}") from None
 
 
 def _recording(path: Path) -> Recording | None:

@@ -7,17 +7,6 @@ from typing import Any, NamedTuple
 from voltcam_simulator import Parameters, Simulator
 from voltcam_simulator.fixed_pattern import FixedPattern
 
-MOST_GAMMA = 11.0  # the limit of the parameter, beyond which a recording could not be made again
-
-
-def seen_through(parameters: Parameters, gamma: float) -> Parameters:
-    """Parameters of a sensor that is shown grey levels of which light is the power `gamma`, up to MOST_GAMMA
-    with the camera's own exponent."""
-    if gamma == 1:
-        return parameters
-    both = min(gamma * parameters.input_response.gamma_exponent, MOST_GAMMA)
-    return parameters.changed({"input_response": {"gamma_exponent": both}})
-
 
 class _Laid(NamedTuple):
     """The newest pattern, None at first; version: of its parameters, gamma: of what it is for."""
@@ -30,7 +19,7 @@ class _Laid(NamedTuple):
 class ParameterChanges:
     """Those of one simulator. Versions count from 0, the parameters that it was made with.
 
-    The simulator has them as its source's grey levels need them, see `seen_through`.
+    The simulator has them as its source's grey levels need them, see `Parameters.seen_through`.
     """
 
     def __init__(self, simulator: Simulator) -> None:
@@ -66,7 +55,7 @@ class ParameterChanges:
             gamma = self._gamma
             if self._laid.version < version or self._laid.gamma != gamma:
                 parameters, newest = self.newest
-                pattern = self._simulator.laid_down(seen_through(parameters, gamma))
+                pattern = self._simulator.laid_down(parameters.seen_through(gamma))
                 self._laid = _Laid(pattern, newest, gamma)
 
     def take(self, gamma: float | None = None) -> None:

@@ -27,7 +27,7 @@ from .cores import threads_for
 from .interval import How, Interval, SimulationSetup, Start
 from .mailbox import Arrival
 from .overload import TOO_FAST, Load, OverloadSettings, coarser
-from .parameter_changes import ParameterChanges, seen_through
+from .parameter_changes import ParameterChanges
 from .problems import one_line
 
 MISSED_AT_LEAST = 2  # dropped frames, of which what was between is skipped
@@ -104,7 +104,7 @@ class Simulation:
 
     def prepare(self, parameters: Parameters) -> None:
         """Have compiled what these parameters need, so that no frame need wait seconds for it."""
-        self._compiled.prepare(seen_through(parameters, VIDEO_GAMMA))
+        self._compiled.prepare(parameters.seen_through(VIDEO_GAMMA))
 
     def step(self, arrival: Arrival) -> Interval | None:
         """The interval that this frame ends; None for a frame that cannot be used, which is counted."""

@@ -11,6 +11,7 @@ from voltcam_video.light import Levels
 
 SECRETS = "pass|pwd|token|secret|key|auth"
 """What the name of a query's secret has in it."""
+PHOTOS = "photos:"
 
 
 class SourceRequest(BaseModel):
@@ -23,7 +24,8 @@ class SourceRequest(BaseModel):
         min_length=1,
         description="scene (built in), a camera (0 or /dev/video0), a video file, a folder with images.txt, "
         "an .npz, a stream (rtsp://, http://, udp://...), replay:FILE, the events of a recording, or "
-        "zmq+tcp://HOST:PORT, where programs send frames to, or ros1:TOPIC or ros2:TOPIC, images of ROS",
+        "zmq+tcp://HOST:PORT, where programs send frames to, or ros1:TOPIC or ros2:TOPIC, images of ROS, or "
+        "photos:FOLDER, photographs that move",
     )
     width: int | None = Field(
         default=None, ge=1, le=16384, description="pixels, asked of a camera or the scene; none: as it comes"
@@ -96,10 +98,23 @@ class SourceRequest(BaseModel):
         return self.uri.removeprefix("ros2:") if self.uri.startswith("ros2:") else None
 
     @property
+    def photo_folder(self) -> Path | None:
+        """The folder, of scenes made of photographs."""
+        if not self.uri.startswith(PHOTOS):
+            return None
+        return Path(self.uri.removeprefix(PHOTOS).partition("?")[0])
+
+    @property
+    def photo_options(self) -> str:
+        """What follows the folder: `seed=1&layers=4`, or nothing."""
+        return self.uri.partition("?")[2] if self.uri.startswith(PHOTOS) else ""
+
+    @property
     def path(self) -> Path | None:
         """The file or folder, of a recording."""
         topic = self.ros1_topic is not None or self.ros2_topic is not None
-        apart = self.uri == "scene" or self.device is not None or "://" in self.uri or topic
+        made = self.uri == "scene" or self.photo_folder is not None
+        apart = made or self.device is not None or "://" in self.uri or topic
         return None if apart else Path(self.uri)
 
     @property

@@ -12,6 +12,9 @@ _NAMED = files("voltcam_simulator") / "cameras"
 SIDE_LIMIT = 8192
 """Pixels a side: an event keeps 13 bits for each coordinate while it is sorted."""
 
+INTERVALS = "intervals"
+"""The key of a calibrated file: by "effect.parameter", the low and high that each may as well have."""
+
 
 class SensorSize(BaseModel):
     """A sensor without its parameters."""
@@ -56,7 +59,9 @@ def read(name_or_path: str | Path) -> dict[str, Any]:
 
 
 def divided(content: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """(name and size, parameters) of a camera file. Raises ValueError for a width without a height."""
+    """(name and size, parameters) of a camera file, without its intervals. Raises ValueError for a width
+    without a height."""
+    content = {key: value for key, value in content.items() if key != INTERVALS}
     size = {key: content[key] for key in SensorSize.model_fields if key in content}
     if ("width" in size) != ("height" in size):
         missing = "height" if "width" in size else "width"
@@ -64,3 +69,12 @@ def divided(content: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
             f"{size.get('name', 'the camera')} has no {missing}: give width and height, or neither"
         )
     return size, {key: value for key, value in content.items() if key not in size}
+
+
+def intervals_of(content: dict[str, Any]) -> dict[str, tuple[float, float]]:
+    """By "effect.parameter", the interval of each that a calibrated file has. Raises ValueError."""
+    intervals = content.get(INTERVALS, {})
+    try:
+        return {str(name): (float(low), float(high)) for name, (low, high) in intervals.items()}
+    except (AttributeError, TypeError, ValueError):
+        raise ValueError("intervals: give effect.parameter: [low, high] for each") from None

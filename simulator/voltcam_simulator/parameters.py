@@ -10,6 +10,8 @@ from .camera_file import SensorSize, divided, read
 from .effect import Effect, no_truth, quantity
 from .effects import EFFECTS
 
+MOST_GAMMA = 11.0  # the limit of the parameter, beyond which a recording could not be made again
+
 
 class ParameterSet(BaseModel):
     """What is common to any set of effects; use `Parameters`, which has a field for each registered one."""
@@ -49,6 +51,14 @@ class ParameterSet(BaseModel):
         Raises pydantic.ValidationError, naming each unknown key and each value out of its limits.
         """
         return type(self).model_validate(merged(self.model_dump(), changes))
+
+    def seen_through(self, gamma: float) -> Self:
+        """Of a sensor that is shown grey levels of which light is the power `gamma`, up to MOST_GAMMA with
+        the camera's own exponent."""
+        if gamma == 1:
+            return self
+        own: float = self.input_response.gamma_exponent  # type: ignore[attr-defined]
+        return self.changed({"input_response": {"gamma_exponent": min(gamma * own, MOST_GAMMA)}})
 
     def changes_since(self, before: Self) -> dict[str, Any]:
         """The changes that make these parameters of those before, as `changed` takes them."""

@@ -5,6 +5,7 @@ A block is run unless an HTML comment above it, which no reader sees, says why n
     <!-- not run: needs a camera -->
 
 A comment `<!-- given: walk.npz -->` asks for a small file of that name, of those in `things.py`.
+A comment `<!-- needs: torch -->` names libraries that [dev] has not: without them the block is skipped.
 `python -m tests.docs.blocks` counts what is run and what is not.
 """
 
@@ -19,7 +20,7 @@ from markdown_it import MarkdownIt
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
-COMMENT = re.compile(r"<!-- *(not run|given): *(.*?) *-->", re.DOTALL)
+COMMENT = re.compile(r"<!-- *(not run|given|needs): *(.*?) *-->", re.DOTALL)
 RUN = ("python", "sh", "yaml", "json")
 BEYOND = re.compile(
     r"\b(make|git|docker|pip|sudo|apt|calibrate|diagnose|evaluate|bench|doctor)\b"
@@ -37,6 +38,7 @@ class Block:
     line: int
     reason: str | None
     given: tuple[str, ...]
+    needs: tuple[str, ...] = ()
 
 
 def pages() -> list[Path]:
@@ -55,12 +57,14 @@ def _followed(test: Path) -> list[str]:
 
 def blocks(page: Path) -> Iterator[Block]:
     """The blocks of the languages that can be run, in order."""
-    reason, given = None, ()
+    reason, given, needs = None, (), ()
     for token in MarkdownIt().parse(page.read_text(encoding="utf-8")):
         if token.type == "html_block":
             for kind, words in COMMENT.findall(token.content):
                 if kind == "given":
                     given = tuple(words.replace(",", " ").split())
+                elif kind == "needs":
+                    needs = tuple(words.replace(",", " ").split())
                 else:
                     reason = " ".join(words.split())
         elif token.type == "fence":
@@ -68,10 +72,10 @@ def blocks(page: Path) -> Iterator[Block]:
                 assert token.map is not None
                 if reason is None and page.name == "README.md" and BEYOND.search(token.content):
                     reason = "README.md: takes long, or needs what a test has not"
-                yield Block(token.info, token.content, token.map[0] + 2, reason, given)
-            reason, given = None, ()
+                yield Block(token.info, token.content, token.map[0] + 2, reason, given, needs)
+            reason, given, needs = None, (), ()
         elif token.type in ("paragraph_open", "heading_open"):
-            reason, given = None, ()
+            reason, given, needs = None, (), ()
 
 
 def main() -> None:

@@ -66,6 +66,14 @@ def program_of_dv(path: Path) -> None:
     path.write_text(next(block.text for block in blocks(page) if block.language == "python"))
 
 
+def photographs(path: Path) -> None:
+    path.mkdir(parents=True)
+    rng = np.random.default_rng(1)
+    for name in ("a.png", "b.png"):
+        coarse = rng.integers(0, 255, (12, 16, 3), dtype=np.uint8)
+        cv2.imwrite(str(path / name), cv2.resize(coarse, (320, 240), interpolation=cv2.INTER_CUBIC))
+
+
 THINGS: dict[str, Callable[[Path], None]] = {
     "*.mp4": video,
     "frames.npz": only_frames,
@@ -75,6 +83,7 @@ THINGS: dict[str, Callable[[Path], None]] = {
     "*.raw": recording,
     "*.aedat4": recording,
     "slider_depth": dataset,
+    "photographs": photographs,
     "filter.py": program_of_dv,
     "voltcam.yaml": config_file,
     "robot.yaml": config_file,
@@ -86,6 +95,7 @@ def make(path: Path) -> bool:
     """Make what a page means by a name; False where it means nothing that can be made."""
     for pattern, maker in THINGS.items():
         if path.match(pattern):
+            path.parent.mkdir(parents=True, exist_ok=True)
             maker(path)
             return True
     return False

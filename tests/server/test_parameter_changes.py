@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from voltcam_server.parameter_changes import ParameterChanges, seen_through
+from voltcam_server.parameter_changes import ParameterChanges
 from voltcam_server.simulation import Simulation
 from voltcam_simulator import Parameters, Simulator
 
@@ -37,14 +37,6 @@ def test_parameters_of_a_moving_slider_are_laid_down_once(monkeypatch: pytest.Mo
     interval = simulation.step(arrival(np.zeros((16, 24), np.uint8), 1000))
     assert interval is not None
     assert interval.parameters_version == 20
-
-
-@pytest.mark.parametrize(("own", "both"), [(1.0, 2.2), (0.5, 1.1), (11.0, 11.0)])
-def test_a_code_comes_on_top_of_the_camera_s_own_up_to_the_limit(own: float, both: float) -> None:
-    camera = Parameters().changed({"input_response": {"gamma_exponent": own}})
-    seen = seen_through(camera, 2.2)
-    assert seen.input_response.gamma_exponent == pytest.approx(both)
-    assert Parameters.model_validate(seen.model_dump()) == seen  # as a recording keeps it
 
 
 @pytest.fixture

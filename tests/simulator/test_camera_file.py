@@ -6,7 +6,7 @@ import pytest
 import yaml
 from pydantic import ValidationError
 
-from voltcam_simulator.camera_file import SIDE_LIMIT, SensorSize, camera_names, divided, read
+from voltcam_simulator.camera_file import SIDE_LIMIT, SensorSize, camera_names, divided, intervals_of, read
 
 
 def test_named_cameras_are_files_with_a_name_and_a_size() -> None:
@@ -66,6 +66,19 @@ def test_a_file_is_divided_into_size_and_parameters() -> None:
     parameters = {"comparator": {"theta_on": 1.5}, "temperature_c": 40}
     assert divided(size | parameters) == (size, parameters)
     assert divided(parameters) == ({}, parameters)
+
+
+def test_intervals_stand_beside_the_parameters() -> None:
+    content = {"temperature_c": 40, "intervals": {"comparator.theta_on": [0.8, 1.2]}}
+    assert divided(content) == ({}, {"temperature_c": 40})
+    assert intervals_of(content) == {"comparator.theta_on": (0.8, 1.2)}
+    assert intervals_of({"temperature_c": 40}) == {}
+
+
+@pytest.mark.parametrize("wrong", [3, [1, 2], {"temperature_c": 3}, {"temperature_c": [1, 2, 3]}])
+def test_intervals_have_two_ends(wrong: object) -> None:
+    with pytest.raises(ValueError, match=r"intervals: give effect\.parameter: \[low, high\]"):
+        intervals_of({"intervals": wrong})
 
 
 @pytest.mark.parametrize(("given", "missing"), [("width", "height"), ("height", "width")])

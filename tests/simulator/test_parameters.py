@@ -51,3 +51,11 @@ def test_a_change_is_a_copy_and_keeps_the_rest() -> None:
 def test_wrong_changes_are_refused_by_name(changes: dict[str, object]) -> None:
     with pytest.raises(ValidationError, match=next(iter(changes))):
         Parameters().changed(changes)
+
+
+@pytest.mark.parametrize(("own", "both"), [(1.0, 2.2), (0.5, 1.1), (11.0, 11.0)])
+def test_a_code_comes_on_top_of_the_camera_s_own_up_to_the_limit(own: float, both: float) -> None:
+    camera = Parameters().changed({"input_response": {"gamma_exponent": own}})
+    seen = camera.seen_through(2.2)
+    assert seen.input_response.gamma_exponent == pytest.approx(both)
+    assert Parameters.model_validate(seen.model_dump()) == seen  # as a recording keeps it

@@ -6,6 +6,7 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 from voltcam_video import SourceRequest
+from voltcam_video.request import PHOTOS
 
 from ..replay_source import SCHEME
 from .paths import AccessError, resolve_under
@@ -31,6 +32,11 @@ class SourceRules:
             return request
         if uri.startswith(SCHEME):
             return request.model_copy(update={"uri": f"{SCHEME}{self.path(uri.removeprefix(SCHEME))}"})
+        if request.photo_folder is not None:
+            options = f"?{request.photo_options}" if request.photo_options else ""
+            return request.model_copy(
+                update={"uri": f"{PHOTOS}{self.path(str(request.photo_folder))}{options}"}
+            )
         if "://" in uri or urlsplit_scheme(uri):
             self._check(uri, self._settings.source_urls, "source_urls")
             return request

@@ -10,6 +10,7 @@ from voltcam_video.sources.images import ImagesSource
 from voltcam_video.sources.memory import MemorySource
 from voltcam_video.sources.network import NetworkSource
 from voltcam_video.sources.npz import NpzSource
+from voltcam_video.sources.photos import PhotosSource
 from voltcam_video.sources.pushed import PushedSource
 from voltcam_video.sources.ros1 import Ros1Source
 from voltcam_video.sources.ros2 import Ros2Source
@@ -20,6 +21,7 @@ __all__ = ["SOURCES", "Granted", "MemorySource", "Source", "SourceError", "open_
 
 SOURCES: tuple[type[Source], ...] = (
     SceneSource,
+    PhotosSource,
     DeviceSource,
     PushedSource,
     Ros1Source,

@@ -8,6 +8,7 @@ import numpy as np
 import yaml
 
 from voltcam_simulator import Camera, Parameters
+from voltcam_simulator.camera_file import INTERVALS
 from voltcam_simulator.effect import Events
 from voltcam_simulator.effects.junction_leak import arrhenius
 
@@ -59,17 +60,19 @@ class Calibrated:
         """The camera file, with what it rests on at its top. source: name of the recording."""
         lines = [f"# Calibrated by `voltcam calibrate` ({self.method} law) from {source}."]
         lines += [f"# {note}" for note in self.notes]
-        if self.estimates:
-            lines.append(
-                "# 90 % intervals by likelihood, widened to what a parameter was moved to; and what fixes "
-                "each, data or only the prior (nothing much):"
-            )
-        for one in self.estimates:
-            name = f"{one.effect}.{one.parameter}"
-            lines.append(f"#   {name:<36} {one.low:.3g} .. {one.high:.3g}  {one.rests_on}")
         content: dict[str, Any] = self.camera.model_dump(exclude={"parameters"})
         content |= _rounded(self.camera.parameters.model_dump(exclude_defaults=True))
-        return "\n".join([*lines, yaml.safe_dump(content, sort_keys=False)])
+        lines.append(yaml.safe_dump(content, sort_keys=False).rstrip())
+        if self.estimates:
+            lines += [
+                "# 90 % intervals by likelihood, widened to what a parameter was moved to; and what fixes",
+                "# each, data or only the prior (nothing much):",
+                f"{INTERVALS}:",
+            ]
+        for one in self.estimates:
+            interval = f"  {one.effect}.{one.parameter}: [{one.low:.3g}, {one.high:.3g}]"
+            lines.append(f"{interval:<60}# {one.rests_on}")
+        return "\n".join([*lines, ""])
 
 
 def camera_from(

@@ -50,6 +50,14 @@ def test_a_replay_s_recording_is_held_to_the_folders_too(tmp_path: Path) -> None
         rules.allowed(SourceRequest(uri="replay:../walk.npz"), "scene")
 
 
+def test_photographs_are_held_to_the_folders_too(tmp_path: Path) -> None:
+    rules = SourceRules(AccessSettings(source_folders=[tmp_path]))
+    allowed = rules.allowed(SourceRequest(uri="photos:mine?seed=3"), "scene")
+    assert allowed.uri == f"photos:{tmp_path.resolve() / 'mine'}?seed=3"
+    with pytest.raises(AccessError):
+        rules.allowed(SourceRequest(uri="photos:../mine"), "scene")
+
+
 def test_a_pipe_in_a_folder_is_no_recording(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "frames").mkdir()
