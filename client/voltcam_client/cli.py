@@ -20,6 +20,7 @@ SUMMARIES = {
     "serve": "run the camera: live video in, events out",
     "replay": "play a recording as a live camera, or verify how it was made",
     "convert": "turn a video, images or a recording into an event file",
+    "dataset": "make a data set of events from videos and images, verify it, look at it",
     "calibrate": "find a camera's parameters from a recording of it",
     "diagnose": "find, name and add what a camera file lacks to explain a recording",
     "evaluate": "hold models against recordings; the paper's figures and tables",

@@ -82,9 +82,9 @@ def _section(path: Sequence[str | int], model: type[BaseModel]) -> type[BaseMode
     left = iter(path)
     for part in left:
         inner = model.model_fields[str(part)].annotation
-        if get_origin(inner) is dict:  # of sections, by names of the user's own
+        if get_origin(inner) in (dict, tuple):  # of sections, by names of the user's own or in a row
             next(left)
-            inner = get_args(inner)[1]
+            inner = get_args(inner)[get_origin(inner) is dict]
         assert isinstance(inner, type)
         assert issubclass(inner, BaseModel)
         model = inner

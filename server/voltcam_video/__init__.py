@@ -7,10 +7,10 @@ or stream open for as long as the daemon runs. Of this project it knows the clie
 from voltcam_video.clock import Clock
 from voltcam_video.cubic import along_cubic
 from voltcam_video.flow import along_flow
-from voltcam_video.frame import Fit, Frame, Image, Outcome, fit, luminance
+from voltcam_video.frame import Fit, Frame, Image, Outcome, fit, fit_labels, luminance
 from voltcam_video.interval import follows
 from voltcam_video.light import VIDEO_GAMMA, Levels
-from voltcam_video.opencv import backends
+from voltcam_video.opencv import backends, use_one_thread
 from voltcam_video.request import SourceRequest
 from voltcam_video.sources import Granted, Source, SourceError, open_source
 from voltcam_video.upsample import Upsampling, between
@@ -35,8 +35,10 @@ __all__ = [
     "backends",
     "between",
     "fit",
+    "fit_labels",
     "follows",
     "luminance",
     "open_source",
+    "use_one_thread",
     "watch",
 ]

@@ -11,6 +11,7 @@ from voltcam_video.opencv import cv2
 
 Image = NDArray[np.uint8 | np.float32]
 Fit = Literal["crop", "letterbox", "stretch"]
+Resize = Callable[[NDArray[Any], int, int], NDArray[Any]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,22 +87,32 @@ def fit(image: Image, width: int, height: int, how: Fit) -> Image:
     crop fills the array and loses the edges, letterbox shows all of it between black bars, stretch
     shows all of it out of proportion.
     """
+    return _fitted(image, width, height, how, _resize)
+
+
+def fit_labels(labels: NDArray[Any], width: int, height: int, how: Fit) -> NDArray[Any]:
+    """An image of labels (H, W), uint8 or uint16, as `fit` puts the frame beside it: nothing is averaged, and
+    beside a letterbox it is 0."""
+    return _fitted(labels, width, height, how, _nearest)
+
+
+def _fitted(image: NDArray[Any], width: int, height: int, how: Fit, resize: Resize) -> NDArray[Any]:
     if image.shape == (height, width):
         return image
     if how == "stretch":
-        return _resize(image, width, height)
+        return resize(image, width, height)
     if how == "crop":
-        return _resize(_centre(image, width, height), width, height)
+        return resize(_centre(image, width, height), width, height)
     scale = min(width / image.shape[1], height / image.shape[0])
     w = min(width, max(1, round(image.shape[1] * scale)))
     h = min(height, max(1, round(image.shape[0] * scale)))
     x, y = (width - w) // 2, (height - h) // 2
-    boxed: Image = np.zeros((height, width), image.dtype)
-    boxed[y : y + h, x : x + w] = _resize(image, w, h)
+    boxed: NDArray[Any] = np.zeros((height, width), image.dtype)
+    boxed[y : y + h, x : x + w] = resize(image, w, h)
     return boxed
 
 
-def _centre(image: Image, width: int, height: int) -> Image:
+def _centre(image: NDArray[Any], width: int, height: int) -> NDArray[Any]:
     """The largest part of `image` around its centre that has the proportions width : height."""
     rows, columns = image.shape
     scale = min(columns / width, rows / height)
@@ -110,7 +121,14 @@ def _centre(image: Image, width: int, height: int) -> Image:
     return image[y : y + h, x : x + w]
 
 
-def _resize(image: Image, width: int, height: int) -> Image:
+def _nearest(labels: NDArray[Any], width: int, height: int) -> NDArray[Any]:
+    resized: Any = cv2.resize(
+        np.ascontiguousarray(labels), (width, height), interpolation=cv2.INTER_NEAREST_EXACT
+    )
+    return np.ascontiguousarray(resized)
+
+
+def _resize(image: NDArray[Any], width: int, height: int) -> NDArray[Any]:
     # In two steps, because OpenCV's area interpolation is one only where neither axis grows.
     rows, columns = image.shape
     shrunk = (min(width, columns), min(height, rows))

@@ -15,7 +15,7 @@ if "OPENCV_LOG_LEVEL" not in os.environ:
     silence = getattr(cv2, "setLogLevel", None) or cv2.utils.logging.setLogLevel
     silence(0)
 
-__all__ = ["CvCapture", "backends", "cv2", "fourcc_text"]
+__all__ = ["CvCapture", "backends", "cv2", "fourcc_text", "use_one_thread"]
 
 
 class CvCapture(Protocol):
@@ -28,6 +28,13 @@ class CvCapture(Protocol):
     def retrieve(self) -> tuple[bool, Any]: ...
     def release(self) -> None: ...
     def getBackendName(self) -> str: ...  # noqa: N802
+
+
+def use_one_thread() -> None:
+    """From now on OpenCV works in the thread that asks it, and ffmpeg decodes in one: for a process of which
+    there are as many as cores."""
+    cv2.setNumThreads(0)
+    os.environ["OPENCV_FFMPEG_THREADS"] = "1"
 
 
 def backends() -> list[str]:

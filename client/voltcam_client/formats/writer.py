@@ -57,6 +57,14 @@ class AppendFile:
         self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | existing, 0o666)
         self._size = 0
 
+    @classmethod
+    def continued(cls, path: Path) -> Self:
+        """A file that may be there already, and then goes on from its end."""
+        path.touch()
+        file = cls.__new__(cls)
+        file._fd, file._size = os.open(path, os.O_WRONLY | os.O_APPEND), path.stat().st_size
+        return file
+
     def append(self, data: bytes | bytearray) -> None:
         """Write all of `data`, or raise OSError with the file as it was."""
         rest = memoryview(data)

@@ -1,7 +1,7 @@
 """A folder of images with a list of their times: the Event Camera Dataset's layout."""
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from voltcam_client.formats import FormatError
@@ -15,14 +15,20 @@ from voltcam_video.sources.source import Granted, SourceError
 
 
 class ImagesSource(RecordedSource):
-    """The listed images, in the list's order and at its times.
+    """The listed images, in the list's order and at its times; `listed`: where the folder has no list.
 
     Beside events they are a camera's own frames, which are light; by themselves, pictures coded for screens.
     """
 
-    def __init__(self, request: SourceRequest, clock: Clock, stop: threading.Event) -> None:
-        super().__init__(request, clock, stop)
-        self._listed = _listed(Path(request.uri))
+    def __init__(
+        self,
+        request: SourceRequest,
+        clock: Clock | None = None,
+        stop: threading.Event | None = None,
+        listed: Sequence[ListedImage] | None = None,
+    ) -> None:
+        super().__init__(request, clock or Clock(), stop or threading.Event())
+        self._listed = _listed(Path(request.uri)) if listed is None else listed
         self.coded = not (Path(request.uri) / "events.txt").exists()
         height, width = _read_image(self._listed[0].path).shape
         span_us = self._listed[-1].t_us - self._listed[0].t_us

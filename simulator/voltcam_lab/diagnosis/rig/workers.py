@@ -4,14 +4,11 @@ A simulation of few pixels is as much Python as kernels, and one process runs Py
 two threads were a tenth faster than one, two processes are nearly twice as fast.
 """
 
-import os
 import pickle
-import signal
-import threading
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context, parent_process
+from multiprocessing import get_context
 from pathlib import Path
 
 import joblib
@@ -19,6 +16,7 @@ import numpy as np
 
 from voltcam_simulator import Parameters
 
+from ... import pool_worker
 from ...statistics import Values
 from .rig import Rig
 
@@ -81,19 +79,10 @@ _rig: Rig  # of a worker
 
 
 def _begin(path: Path, head: bytes, places: Sequence[FileSpan]) -> None:
-    """A worker begins: it leaves Ctrl-C to its parent, and does not outlive it."""
     global _rig
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    pool_worker.begin()
     _rig = Rig(*_read(path, head, places))  # type: ignore[misc]
 
 
 def _run(parameters: Parameters, seeds: Sequence[int], apart: bool) -> Values:
     return _rig.run(parameters, seeds, apart)
-
-
-def _end_with_parent() -> None:
-    parent = parent_process()
-    assert parent is not None
-    parent.join()
-    os._exit(1)
