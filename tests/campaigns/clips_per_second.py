@@ -49,7 +49,7 @@ def stored(clips: EventClips, count: int, folder: Path) -> None:
                 for name in "txyp":
                     kind = "u1" if name == "p" else "u4" if name == "t" else "u2"
                     events.create_dataset(f"{number}/{window}/{name}", data=each[name].astype(kind), **packed)
-            made = np.stack([clips.represented(each) for each in clip.events])
+            made = np.stack([clips.shape.represented(each) for each in clip.events])
             grids.create_dataset(f"{number}/grids", data=made.astype(np.float16), **packed)
             for file in (events, grids):
                 file.create_dataset(f"{number}/images", data=np.rint(clip.images).astype(np.uint8), **packed)
@@ -65,7 +65,7 @@ def from_events(clips: EventClips, count: int, folder: Path) -> Grids:
                 each = np.empty(len(columns["t"]), EVENT)
                 for name, column in columns.items():
                     each[name] = column
-                made.append(clips.represented(each))
+                made.append(clips.shape.represented(each))
             yield torch.from_numpy(np.stack(made)), torch.from_numpy(file[f"{number}/images"][:]).float()
 
 

@@ -65,7 +65,7 @@ def made(
     for number in range(count):
         clip = clips.clip(0, number)
         events += sum(map(len, clip.events))
-        grids[number] = torch.from_numpy(np.stack([clips.represented(each) for each in clip.events]))
+        grids[number] = torch.from_numpy(np.stack([clips.shape.represented(each) for each in clip.events]))
         images[number] = torch.from_numpy(clip.images / 255)
     content: dict[str, Any] = {"grids": grids, "images": images, "events": events}
     kept.parent.mkdir(parents=True, exist_ok=True)
