@@ -9,13 +9,12 @@ try:
 except ImportError as error:  # where it is missing, one line says what to install
     raise ImportError("voltcam_lab.torch takes PyTorch: pip install 'voltcam[learn]'") from error
 
-from .clip import Clip, ClipShape, Representation
+from .clip import ClipShape, Representation, WindowedClip
 from .clips import EventClips
 from .recorded import RecordedClips
 from .scenery import Photographs, Scenery, Videos
 
 __all__ = [
-    "Clip",
     "ClipShape",
     "EventClips",
     "Photographs",
@@ -23,4 +22,5 @@ __all__ = [
     "Representation",
     "Scenery",
     "Videos",
+    "WindowedClip",
 ]

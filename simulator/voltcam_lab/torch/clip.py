@@ -17,7 +17,7 @@ Representation = Literal["voxel_grid", "time_surface", "event_frame", "events"]
 
 
 @dataclass(frozen=True)
-class Clip:
+class WindowedClip:
     """Of one clip, before it becomes tensors.
 
     events: of each window, t in us from the window's start. images: (windows, H, W) float32, what was seen
@@ -53,13 +53,13 @@ class ClipShape:
     def span_us(self) -> int:
         return self.windows * self.window_us
 
-    def cut(self, events: Events, images: NDArray[np.float32]) -> Clip:
+    def cut(self, events: Events, images: NDArray[np.float32]) -> WindowedClip:
         """Into windows. events: t from the clip's start."""
         edges = np.searchsorted(events["t"], self.window_us * np.arange(self.windows + 1))
         split = [events[a:b].copy() for a, b in pairwise(edges)]
         for window, each in enumerate(split):
             each["t"] -= window * self.window_us
-        return Clip(split, images)
+        return WindowedClip(split, images)
 
     def represented(self, events: Events) -> Any:
         """What a window's events become, as an array where it is one."""
@@ -74,7 +74,7 @@ class ClipShape:
             return event_frame(events, *size)
         return np.stack([events[name].astype(np.int64) for name in "txyp"], axis=-1)
 
-    def tensors(self, clip: Clip) -> dict[str, Any]:
+    def tensors(self, clip: WindowedClip) -> dict[str, Any]:
         """An item of a data set."""
         made = [self.represented(each) for each in clip.events]
         return {"events": _together(made), "images": torch.from_numpy(clip.images)}

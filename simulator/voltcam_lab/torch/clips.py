@@ -16,7 +16,7 @@ from voltcam_simulator.effect import Events
 
 from ..drawn_camera import CameraDistribution
 from ..models.model import Model
-from .clip import Clip, ClipShape, Representation, images_at
+from .clip import ClipShape, Representation, WindowedClip, images_at
 from .scenery import Scenery
 
 Sensor = Callable[[int, int, float, np.random.Generator], Model]
@@ -85,7 +85,7 @@ class EventClips(IterableDataset[dict[str, Any]]):
         for number in numbers:
             yield self.shape.tensors(self.clip(epoch, number))
 
-    def clip(self, epoch: int, number: int) -> Clip:
+    def clip(self, epoch: int, number: int) -> WindowedClip:
         """One clip, whoever asks."""
         rng = np.random.default_rng([self.seed, epoch, number])
         of_scenery, of_sensor = rng.spawn(2)

@@ -11,7 +11,7 @@ from torch.utils.data import Dataset
 from voltcam_simulator.effect import Events
 
 from ..recordings import load
-from .clip import Clip, ClipShape, Representation, images_at
+from .clip import ClipShape, Representation, WindowedClip, images_at
 
 
 class RecordedClips(Dataset[dict[str, Any]]):
@@ -50,7 +50,7 @@ class RecordedClips(Dataset[dict[str, Any]]):
     def __getitem__(self, number: int) -> dict[str, Any]:
         return self.shape.tensors(self.clip(int(self._epoch), number))
 
-    def clip(self, epoch: int, number: int) -> Clip:
+    def clip(self, epoch: int, number: int) -> WindowedClip:
         """One clip, whoever asks."""
         shape, path = self.shape, self.recordings[number]
         footage = load(path)
