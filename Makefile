@@ -9,6 +9,10 @@ JOBS ?= 2
 
 # Of patches: how many changes of parameters.
 COUNT ?= 100000
+# Of dataset-campaign: how many clips; a folder of photographs; a Python that has tonic.
+CLIPS ?=
+PHOTOGRAPHS ?=
+TONIC ?=
 # Of soak: how long.
 MINUTES ?= 60
 # Of fuzz: how long.
@@ -21,7 +25,8 @@ STUDY ?=
 # Of docs: a warning is an error, and all are told. All pages are made anew, since code may have changed.
 STRICT := --fresh-env --nitpicky --fail-on-warning --keep-going --quiet
 
-.PHONY: run test check docs docs-serve format dist hidden-effects patches soak fuzz v4l2 interop clean calibration-table study-reconstruction
+.PHONY: run test check docs docs-serve format dist clean hidden-effects patches soak fuzz v4l2 interop
+.PHONY: calibration-table dataset-campaign study-reconstruction
 
 run: .venv/installed-server
 	$(BIN)/voltcam serve
@@ -67,6 +72,10 @@ fuzz: .venv/installed-dev
 
 soak: .venv/installed-dev
 	$(BIN)/python -m tests.campaigns.soak --minutes $(MINUTES) $(if $(SEED),--seed $(SEED))
+
+dataset-campaign: .venv/installed-dev
+	$(BIN)/python -m tests.campaigns.dataset --count $(or $(CLIPS),1000) $(if $(PHOTOGRAPHS),--photographs '$(PHOTOGRAPHS)') \
+		$(if $(TONIC),--tonic '$(TONIC)')
 
 patches: .venv/installed-dev
 	$(BIN)/python -m tests.campaigns.patches --count $(COUNT) $(if $(SEED),--seed $(SEED))

@@ -62,4 +62,6 @@ class GroundTruthWriter:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
     ) -> None:
+        for column in self._columns.values():  # in one order, and so into the same bytes
+            column.flush()
         self._file.close()

@@ -19,6 +19,7 @@ from tests.docs.commands import commands, names, parse, parser_of
 from tests.docs.things import images, make
 from tests.server.rig import Daemon
 
+from voltcam_server.dataset.spec import spec_of
 from voltcam_server.settings import Settings, load
 from voltcam_simulator import Camera
 
@@ -90,8 +91,11 @@ class Reader:
         assert answer.returncode == 0, words
 
     def _yaml(self, block: Block, page: Path) -> None:
-        """A config file or a camera file."""
+        """A spec of a data set, a config file or a camera file."""
         content = yaml.safe_load(block.text)
+        if "inputs" in content:
+            spec_of(content, str(page))
+            return
         if set(content) <= set(Settings.model_fields):
             load(content, environment={})
         else:

@@ -95,6 +95,7 @@ def make(path: Path) -> bool:
     """Make what a page means by a name; False where it means nothing that can be made."""
     for pattern, maker in THINGS.items():
         if path.match(pattern):
+            path.parent.mkdir(parents=True, exist_ok=True)
             maker(path)
             return True
     return False

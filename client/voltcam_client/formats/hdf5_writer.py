@@ -47,6 +47,7 @@ class Hdf5Writer(SpooledWriter):
                 frames = _dataset(file, "frames", "u1", (0, *size), (1, *size), "lz4")
                 for images in blocks(recording.frames):
                     _append(frames, images)
+                _write_out(frames)
                 file["t_us"] = recording.frame_t_us
 
 
@@ -65,6 +66,7 @@ def _write_events(file: Any, events: Events) -> None:
         _append(datasets["t"], t_us)
         for name in "xyp":
             _append(datasets[name], block[name])
+    _write_out(*datasets.values(), *([] if index is None else [index]))
     file["t_offset"] = np.int64(t_offset)
 
 
@@ -79,6 +81,13 @@ def _dataset(
     """lz4 never packs so well that a reader could take the file for a bomb (see `bounds`)."""
     blosc = library("hdf5plugin", Path(file.filename), "writing").Blosc(cname=compressor, clevel=5, shuffle=1)
     return file.create_dataset(name, shape, kind, maxshape=(None, *shape[1:]), chunks=chunks, **blosc)
+
+
+def _write_out(*datasets: Any) -> None:
+    """In this order: else it is the one in which Python lets go of them, which a profiler changes, and the
+    same recording is other bytes."""
+    for dataset in datasets:
+        dataset.flush()
 
 
 def _append(dataset: Any, rows: NDArray[Any]) -> None:

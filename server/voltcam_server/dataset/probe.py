@@ -1,7 +1,7 @@
 """A look at every input before hours are spent: can it be read, are its sizes one, do its labels match."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from PIL import Image
@@ -29,12 +29,21 @@ class Probed:
 
 
 def probed(clips: Iterable[Clip], seconds: float | None) -> Iterator[Probed]:
-    """Each clip looked at. seconds: of each that are wanted."""
+    """Each clip looked at; of scenes of the same photographs, the first. seconds: that are wanted of each."""
+    scenes: dict[tuple[Path, float | None, str], Probed] = {}
     for clip in clips:
+        # All but the seed, which comes first.
+        kind = (clip.path, clip.fps, (clip.scene or "").partition("&")[2])
+        if clip.scene is not None and kind in scenes:
+            yield replace(scenes[kind], clip=clip)
+            continue
         try:
-            yield Probed(clip, _look(clip, seconds))
+            one = Probed(clip, _look(clip, seconds))
         except (SourceError, ClipError, BesideError, OSError, ValueError) as error:
-            yield Probed(clip, 0, one_line(error))
+            one = Probed(clip, 0, one_line(error))
+        if clip.scene is not None:
+            scenes[kind] = one
+        yield one
 
 
 def _look(clip: Clip, seconds: float | None) -> int:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from voltcam_client.encodings import EVENT
-from voltcam_client.formats import open_writer, read
+from voltcam_client.formats import hdf5_writer, open_writer, read
 from voltcam_client.formats.bounds import SMALL_BYTES
 
 h5py = pytest.importorskip("h5py", reason="h5py, the oracle, is in the extra [lab]")
@@ -82,3 +82,22 @@ def test_dark_frames_are_not_taken_for_a_bomb(tmp_path: Path) -> None:
     frames = read(tmp_path / "a.h5").frames
     assert frames is not None
     assert len(frames) == count
+
+
+def test_who_holds_on_to_a_dataset_changes_no_byte(
+    tmp_path: Path, make_events, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As a profiler does, of which the function's variables then outlive it."""
+    events = make_events(5000, EPOCH_US)
+    write(tmp_path / "a.h5", events, frames=3)
+    held, whole = [], hdf5_writer._dataset
+
+    def hold(*arguments: object) -> object:
+        held.append(whole(*arguments))
+        return held[-1]
+
+    with monkeypatch.context() as patch:
+        patch.setattr(hdf5_writer, "_dataset", hold)
+        write(tmp_path / "b.h5", events, frames=3)
+    assert len(held) == 6
+    assert (tmp_path / "a.h5").read_bytes() == (tmp_path / "b.h5").read_bytes()
