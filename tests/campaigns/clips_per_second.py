@@ -21,15 +21,14 @@ import torch
 
 from voltcam_lab.torch import EventClips, Photographs
 from voltcam_simulator import EVENT
-from voltcam_video.photos import PhotoFolder, light_of
 
 SIZE, WINDOWS, WINDOW_US = 128, 20, 40_000
 Grids = Iterator[Any]
 
 
-def clips_of(light: list[Any], count: int) -> EventClips:
+def clips_of(photographs: Path, count: int) -> EventClips:
     return EventClips(
-        Photographs(light),
+        Photographs(photographs),
         "davis346",
         width=SIZE,
         height=SIZE,
@@ -93,9 +92,9 @@ def main() -> None:
     parser.add_argument("--clips", type=int, default=30)
     args = parser.parse_args()
     torch.set_num_threads(1)
-    light = [light_of(each) for each in PhotoFolder(args.photographs)]
-    clips = clips_of(light, args.clips)
-    next(iter(clips))  # compiles
+    clips = clips_of(args.photographs, args.clips)
+    for _ in clips:  # compiles, and reads the photographs
+        pass
     clips.set_epoch(0)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

@@ -60,11 +60,10 @@ def main() -> int:
     torch.set_num_threads(args.threads)
     recordings = real.recordings(args.data)
     if not args.only_page:
-        light = clips.photographs(args.photographs)
         names = MODELS + (ABLATIONS if args.ablation else ())
         for seed in range(args.seeds):
             for name in names:
-                _run(args, name, seed, light, recordings)
+                _run(args, name, seed, recordings)
     page.write(args.page, args.work, recordings)
     return 0
 
@@ -80,14 +79,12 @@ def machine() -> str:
     return f"{names[0] if names else platform.machine()}, PyTorch {torch.__version__}"
 
 
-def _run(
-    args: argparse.Namespace, name: str, seed: int, light: list[np.ndarray], recordings: list[real.Real]
-) -> None:
+def _run(args: argparse.Namespace, name: str, seed: int, recordings: list[real.Real]) -> None:
     folder = folder_of(args.work, name)
     result = folder / f"seed_{seed}.json"
     if result.exists():
         return
-    made = clips.made(name, light, args.clips, args.size, CLIPS_SEED, folder / "clips.pt")
+    made = clips.made(name, args.photographs, args.clips, args.size, CLIPS_SEED, folder / "clips.pt")
     budget = Budget(steps=args.steps)
     one = trained(made, budget, seed, folder / f"seed_{seed}.pt")
     content = {
