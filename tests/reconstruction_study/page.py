@@ -12,7 +12,7 @@ from . import figures
 from .contenders import ABLATIONS, OURS, WITHOUT, WORDS
 from .figures import PUBLISHED
 from .real import Real
-from .results import BETTER, MEASURES, Run, runs, separated, values
+from .results import BETTER, MEASURES, Run, ahead_by_seed, runs, separated, values
 
 TITLES = {
     "mse": "MSE",
@@ -81,19 +81,21 @@ def _verdict(found: list[Run], recordings: Sequence[Real]) -> str:
         for measure in MEASURES:
             means = {name: values(found, name, recording.name, measure).mean() for name in names}
             ranked = sorted(names, key=lambda name: means[name], reverse=BETTER[measure] is max)
-            best = ranked[0]
-            apart = [
-                name for name in ranked[1:] if separated(found, best, name, recording.name, measure) == best
-            ]
-            told = (
-                f"every seed better than every seed of {', '.join(apart)}" if apart else "no model set apart"
-            )
-            place = ranked.index(OURS) + 1 if OURS in ranked else 0
-            ours = "" if best == OURS or not place else f" `{OURS}` is number {place}, {means[OURS]:.3f}."
+            best, others = ranked[0], ranked[1:]
+            asked = recording.name, measure
+            by_seed = [name for name in others if ahead_by_seed(found, best, name, *asked)]
+            apart = [name for name in others if separated(found, best, name, *asked)]
+            ours = "" if best == OURS else f" `{OURS}` is number {ranked.index(OURS) + 1}, {means[OURS]:.4f}."
             lines.append(
-                f"- {recording.name}, {TITLES[measure]}: **{best}**, {means[best]:.3f}; {told}.{ours}"
+                f"- {recording.name}, {TITLES[measure]}: **{best}**, {means[best]:.4f}. "
+                f"Behind it with each seed: {_listed(by_seed)}; with all networks behind all of its: "
+                f"{_listed(apart)}.{ours}"
             )
     return "\n".join(lines)
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(f"`{name}`" for name in names) or "none"
 
 
 def _methods(found: list[Run]) -> str:
@@ -158,20 +160,26 @@ def _ablation(found: list[Run], recordings: Sequence[Real]) -> str:
     names = [name for name in _names(found) if name in ABLATIONS]
     if not names:
         return ""
+    seeds = {run.seed for run in found if run.model in names}
+    same = [run for run in found if run.seed in seeds]
+    asked = [(recording.name, measure) for recording in recordings for measure in MEASURES]
     rows = [
         (
-            name.removeprefix(WITHOUT) if name != OURS else "nothing",
-            str(len(values(found, name, recordings[0].name, "mse"))),
-            *(
-                _spread(values(found, name, recording.name, measure))
-                for recording in recordings
-                for measure in ("mse", "ssim")
-            ),
+            "nothing" if name == OURS else name.removeprefix(WITHOUT),
+            *(_spread(values(same, name, *each)) for each in asked),
         )
         for name in (OURS, *names)
     ]
-    head = ("taken away", "seeds", *(f"{TITLES[m]}, {r.name}" for r in recordings for m in ("mse", "ssim")))
-    return "## One effect less\n\nOf the calibrated camera, with the same budget.\n\n" + _grid(head, rows)
+    spread = (
+        "*s.d. over seeds, of nothing*",
+        *(f"{values(found, OURS, *each).std(ddof=1):.4f}" for each in asked),
+    )
+    head = ("taken away", *(f"{TITLES[measure]}, {recording}" for recording, measure in asked))
+    words = (
+        f"Of the calibrated camera, with the same budget and {'one seed' if len(seeds) == 1 else 'the same seeds'}. "
+        "What differs by less than seeds do says little."
+    )
+    return f"## One effect less\n\n{words}\n\n{_grid(head, [*rows, spread])}"
 
 
 def _budget(found: list[Run]) -> str:

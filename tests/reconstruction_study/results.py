@@ -44,11 +44,21 @@ def values(found: list[Run], model: str, recording: str, measure: str) -> NDArra
     return np.array([run.measured[recording][measure] for run in found if run.model == model])
 
 
-def separated(found: list[Run], a: str, b: str, recording: str, measure: str) -> str:
-    """The better of two models where all its seeds are better than all of the other's, else nothing."""
-    one, other = values(found, a, recording, measure), values(found, b, recording, measure)
-    if BETTER[measure] is min:
-        one, other = -one, -other
-    if one.min() > other.max():
-        return a
-    return b if other.min() > one.max() else ""
+def separated(found: list[Run], a: str, b: str, recording: str, measure: str) -> bool:
+    """Whether every network of a is better than every network of b."""
+    one, other = _more_is_better(found, a, b, recording, measure)
+    return bool(one.min() > other.max())
+
+
+def ahead_by_seed(found: list[Run], a: str, b: str, recording: str, measure: str) -> bool:
+    """Whether a is better with each seed: the same weights at the begin, and clips in the same order."""
+    one, other = _more_is_better(found, a, b, recording, measure)
+    count = min(len(one), len(other))
+    return bool((one[:count] > other[:count]).all())
+
+
+def _more_is_better(
+    found: list[Run], a: str, b: str, recording: str, measure: str
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    sign = -1 if BETTER[measure] is min else 1
+    return sign * values(found, a, recording, measure), sign * values(found, b, recording, measure)
