@@ -176,7 +176,7 @@ def _ablation(found: list[Run], recordings: Sequence[Real]) -> str:
     )
     head = ("taken away", *(f"{TITLES[measure]}, {recording}" for recording, measure in asked))
     words = (
-        f"Of the calibrated camera, with the same budget and {'one seed' if len(seeds) == 1 else 'the same seeds'}. "
+        f"Of the calibrated camera, with the same budget and seeds ({len(seeds)}). "
         "What differs by less than seeds do says little."
     )
     return f"## One effect less\n\n{words}\n\n{_grid(head, [*rows, spread])}"
