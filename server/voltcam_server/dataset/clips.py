@@ -22,7 +22,7 @@ LONGEST_NAME = 200  # bytes; endings come behind it
 
 
 @dataclass(frozen=True)
-class Clip:
+class InputClip:
     """One input. name: its path below the fixed part of the pattern that found it, and what its seeds are
     made from. fps, stamps, unit: of a folder of images without a list. labels, table: beside it, or None.
     scene: the options of a scene that a folder's photographs make. truth: whether its flow goes along."""
@@ -71,7 +71,7 @@ class Item:
     """One file of the set: a clip as a camera of its own sees it. path: in the set. digest: of all that it is
     made with, its clip's content aside."""
 
-    clip: Clip
+    clip: InputClip
     variant: int
     seed: int
     path: str
@@ -83,7 +83,7 @@ class Item:
         return self.clip.name, self.variant
 
 
-def clips_of(spec: Spec) -> list[Clip]:
+def clips_of(spec: Spec) -> list[InputClip]:
     """In order of their names. Raises UsageError for a pattern that finds nothing, and for equal names."""
     clips = [clip for each in spec.inputs for clip in _found(each, spec)]
     names: dict[str, Path] = {}
@@ -96,7 +96,7 @@ def clips_of(spec: Spec) -> list[Clip]:
     return sorted(clips, key=lambda clip: clip.name)
 
 
-def items_of(spec: Spec, clips: list[Clip]) -> list[Item]:
+def items_of(spec: Spec, clips: list[InputClip]) -> list[Item]:
     """Variants of each clip. Raises UsageError where two would be in one file."""
     items, files = list[Item](), dict[str, str]()
     # Camera files by what is in them.
@@ -128,7 +128,7 @@ def seed_of(seed: int, name: str, variant: int) -> int:
     return int.from_bytes(digest[:8], "big") >> 1
 
 
-def _found(each: Input, spec: Spec) -> list[Clip]:
+def _found(each: Input, spec: Spec) -> list[InputClip]:
     base = _fixed(each.files)
     paths = [Path(path) for path in sorted(glob.glob(each.files, recursive=True))]  # noqa: PTH207
     if not paths:
@@ -142,15 +142,15 @@ def _found(each: Input, spec: Spec) -> list[Clip]:
     return [_clip(each, path, base, spec.levels) for path in paths]
 
 
-def _scene(each: Input, folder: Path, base: Path, seed: int, number: int) -> Clip:
+def _scene(each: Input, folder: Path, base: Path, seed: int, number: int) -> InputClip:
     """How it moves is the same for all variants of it: they differ in their cameras."""
     name = f"{each.name}/{folder.relative_to(base)}/scene-{number:06}".lstrip("/")
     given = {"layers": each.layers, "speed": each.speed}
     options = {"seed": seed_of(seed, name, -1)} | {key: value for key, value in given.items() if value}
-    return Clip(name, folder, fps=each.fps, scene=urlencode(options), truth=each.truth)
+    return InputClip(name, folder, fps=each.fps, scene=urlencode(options), truth=each.truth)
 
 
-def _clip(each: Input, path: Path, base: Path, levels: Levels) -> Clip:
+def _clip(each: Input, path: Path, base: Path, levels: Levels) -> InputClip:
     name = f"{each.name}/{path.relative_to(base)}".lstrip("/")
     places = {
         "stem": path.stem,
@@ -158,7 +158,7 @@ def _clip(each: Input, path: Path, base: Path, levels: Levels) -> Clip:
         "folder": str(path if path.is_dir() else path.parent),
     }
     folder = path.is_dir() and not (path / "images.txt").exists()
-    return Clip(
+    return InputClip(
         name,
         path,
         levels,

@@ -11,7 +11,7 @@ from voltcam_video import SourceError
 from voltcam_video.sources.timed_images import images_in
 
 from ..problems import one_line
-from .clips import Clip
+from .clips import InputClip
 from .item import ClipError
 from .labels import BesideError, check_labels
 from .tables import check_table
@@ -23,12 +23,12 @@ SIDE = 64  # pixels: of a scene, which has the size that one asks for
 class Probed:
     """frames: as far as is known without reading all. problem: why it gives no item; empty: it may."""
 
-    clip: Clip
+    clip: InputClip
     frames: int
     problem: str = ""
 
 
-def probed(clips: Iterable[Clip], seconds: float | None) -> Iterator[Probed]:
+def probed(clips: Iterable[InputClip], seconds: float | None) -> Iterator[Probed]:
     """Each clip looked at; of scenes of the same photographs, the first. seconds: that are wanted of each."""
     scenes: dict[tuple[Path, float | None, str], Probed] = {}
     for clip in clips:
@@ -46,7 +46,7 @@ def probed(clips: Iterable[Clip], seconds: float | None) -> Iterator[Probed]:
         yield one
 
 
-def _look(clip: Clip, seconds: float | None) -> int:
+def _look(clip: InputClip, seconds: float | None) -> int:
     """How many frames are wanted of it. Raises what `probed` tells."""
     if clip.path.is_dir() and clip.scene is None:
         _one_size(clip.path)
@@ -96,6 +96,6 @@ def _count_differs(labels: Path, frames: int) -> bool:
     return not (labels / IMAGE_LIST).exists() and len(images_in(labels)) != frames
 
 
-def _counted(clip: Clip) -> int:
+def _counted(clip: InputClip) -> int:
     with clip.open(SIDE, SIDE) as source:
         return sum(1 for _ in source)

@@ -48,7 +48,7 @@ def _summary(folder: Path, made: Sequence[Record], failed: Sequence[Record]) -> 
     rate = float(np.median([record["events_per_s"] for record in made]))
     sizes = Counter(f"{record['camera']} {record['width']}x{record['height']}" for record in made)
     rows = [
-        ("items", f"{len(made)} of {len({record['name'] for record in made})} inputs"),
+        ("items", f"{len(made)}, of {len({record['name'] for record in made})} inputs"),
         ("without an item", str(len(failed))),
         ("cameras", ", ".join(f"{name}: {count}" for name, count in sizes.most_common())),
         ("time", f"{seconds:.1f} s, {sum(record['frames'] for record in made)} frames"),
@@ -57,7 +57,7 @@ def _summary(folder: Path, made: Sequence[Record], failed: Sequence[Record]) -> 
         ("on the disk", in_words(sum(record["bytes"] for record in made))),
         ("made with", ", ".join(_software(made))),
     ]
-    return [table(["", str(folder)], rows)]
+    return [table(["", f"manifest.jsonl of {folder.absolute().name}"], rows)]
 
 
 def _software(made: Sequence[Record]) -> list[str]:
@@ -72,8 +72,12 @@ def _software(made: Sequence[Record]) -> list[str]:
 def _failures(failed: Sequence[Record]) -> list[Markup]:
     if not failed:
         return []
-    rows = [(record["name"], record["failed"]) for record in failed[:MOST_FAILED]]
-    more = [f"and {len(failed) - MOST_FAILED} more, in manifest.jsonl"] if len(failed) > MOST_FAILED else []
+    reasons = Counter((record["name"], record["failed"]) for record in failed)
+    rows = [
+        (name, why if count == 1 else f"{why} ({count} variants)")
+        for (name, why), count in list(reasons.items())[:MOST_FAILED]
+    ]
+    more = [f"and {len(reasons) - MOST_FAILED} more, in manifest.jsonl"] if len(reasons) > MOST_FAILED else []
     return [Markup("<h2>Without an item</h2>"), table(["input", "why"], rows), *map(_paragraph, more)]
 
 

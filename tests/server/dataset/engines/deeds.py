@@ -10,9 +10,9 @@ from voltcam_server.dataset.item import ItemOutcome, Making, make_item
 
 
 def items(count: int) -> list[Item]:
-    from voltcam_server.dataset.clips import Clip
+    from voltcam_server.dataset.clips import InputClip
 
-    return [Item(Clip(f"clip{i}", Path(f"clip{i}")), 0, i, f"items/clip{i}", "") for i in range(count)]
+    return [Item(InputClip(f"clip{i}", Path(f"clip{i}")), 0, i, f"items/clip{i}", "") for i in range(count)]
 
 
 def done(item: Item) -> ItemOutcome:
