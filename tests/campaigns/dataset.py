@@ -1,9 +1,10 @@
 """`make dataset-campaign CLIPS=n`: a set of n short clips, videos and scenes of photographs, on two cores.
 
-It fails when the set is slower than LEAST_SHARE of the single conversions together, when a worker's memory
-grows by more than GROWTH_MB over the second half, when a set that was killed twice and resumed, or one from a
-Dask cluster of which a worker is killed, is not the same to the bit, or when h5py in a fresh process, and
-tonic where TONIC names a Python that has it, read other events than the manifest says.
+It fails when the single conversions together take less than LEAST_SHARE of the set's time on the processor,
+which other programs do not change; when a worker's memory grows by more than GROWTH_MB over the second half;
+when a set that was killed twice and resumed, or one from a Dask cluster of which a worker is killed, is not
+the same to the bit; or when h5py in a fresh process, and tonic where TONIC names a Python that has it, read
+other events than the manifest says.
 """
 
 import argparse
@@ -25,6 +26,7 @@ import cv2
 import numpy as np
 import psutil
 import yaml
+from numpy.typing import NDArray
 
 from voltcam_server.dataset.clips import Item, clips_of, items_of
 from voltcam_server.dataset.item import Making, make_item
@@ -115,8 +117,8 @@ def photographs(folder: Path) -> Path:
     return folder
 
 
-def single_s(spec: Spec, out: Path, first: int) -> float:
-    """Seconds that all the conversions take one by one, by SINGLE of them, from the item `first` on."""
+def one_by_one(spec: Spec, out: Path, first: int) -> NDArray[np.float64]:
+    """Seconds by the clock, and of the processor, that all the conversions take, by SINGLE of them."""
     cv2.setNumThreads(0)
     os.environ["BLOSC_NTHREADS"] = "1"
     items = items_of(spec, clips_of(spec))
@@ -124,18 +126,20 @@ def single_s(spec: Spec, out: Path, first: int) -> float:
     chosen: list[Item] = items[first :: max(1, len(items) // SINGLE)]
     for kind in (items[0], items[-1]):
         make_item(kind, making)  # kernels are loaded
-    began_s = time.monotonic()
+    began = np.array([time.monotonic(), time.process_time()])
     for item in chosen:
         outcome = make_item(item, making)
         assert outcome.failed is None, outcome.failed
-    return (time.monotonic() - began_s) / len(chosen) * len(items)
+    took = np.array([time.monotonic(), time.process_time()]) - began
+    return took / len(chosen) * len(items)
 
 
-class Memory:
-    """The most that one worker of a process has, as time goes on."""
+class Watch:
+    """mb: the most that one worker of a process has, as time goes on. cpu_s: of it and of each worker."""
 
     def __init__(self, pid: int) -> None:
         self.mb: list[float] = []
+        self.cpu_s: dict[int, float] = {}
         self._process, self._done = psutil.Process(pid), threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
@@ -152,8 +156,10 @@ class Memory:
     def _run(self) -> None:
         while not self._done.wait(0.5):
             with contextlib.suppress(psutil.Error, ValueError):
-                sizes = [child.memory_info().rss for child in self._process.children(recursive=True)]
-                self.mb.append(max(sizes) / 1e6)
+                workers = self._process.children(recursive=True)
+                for one in (self._process, *workers):
+                    self.cpu_s[one.pid] = sum(one.cpu_times()[:2])
+                self.mb.append(max(worker.memory_info().rss for worker in workers) / 1e6)
 
 
 def command(spec: Path, out: Path, *more: str) -> list[str]:
@@ -161,14 +167,14 @@ def command(spec: Path, out: Path, *more: str) -> list[str]:
     return [sys.executable, "-c", voltcam, "dataset", "make", str(spec), str(out), *more]
 
 
-def once(spec: Path, out: Path, *more: str) -> tuple[float, Memory]:
+def once(spec: Path, out: Path, *more: str) -> tuple[float, Watch]:
     """Make a set; how long it took from the start of the command to its end."""
     began_s = time.monotonic()
     with subprocess.Popen(command(spec, out, *more), stdout=subprocess.PIPE, text=True) as process:
-        memory = Memory(process.pid)
+        watch = Watch(process.pid)
         said, _ = process.communicate(timeout=LIMIT_S)
     assert process.returncode == 0, said
-    return time.monotonic() - began_s, memory
+    return time.monotonic() - began_s, watch
 
 
 def killed_twice(spec: Path, out: Path, count: int) -> list[int]:
@@ -273,19 +279,24 @@ def campaign(folder: Path, count: int, own: Path | None, tonic: Path | None) -> 
         faults.extend([] if good else [what])
 
     # Before and after: a machine with other work on it is not always as fast.
-    before_s = single_s(load_spec(spec), folder / "single", 0)
-    took_s, memory = once(spec, whole, "--workers", str(WORKERS))
-    alone_s = (before_s + single_s(load_spec(spec), folder / "single", 1)) / 2
+    before = one_by_one(load_spec(spec), folder / "single", 0)
+    took_s, watch = once(spec, whole, "--workers", str(WORKERS))
+    alone_s, alone_cpu_s = (before + one_by_one(load_spec(spec), folder / "single", 1)) / 2
     share = alone_s / WORKERS / took_s
+    cpu_s = sum(watch.cpu_s.values())
+    cpu_share = alone_cpu_s / cpu_s
     events = sum(record["events"] for record in read_manifest(whole))
     tell(
         f"{count} clips, {events / 1e6:.0f} M events: {took_s:.0f} s on {WORKERS} workers, {alone_s:.0f} s "
-        f"one by one: {share:.2f} of their throughput, start-up included",
-        share >= LEAST_SHARE or count < JUDGED,
+        f"one by one: {share:.2f} of their throughput, start-up included"
     )
-    growth_mb = memory.growth_mb()
     tell(
-        f"memory of a worker {max(memory.mb, default=0):.0f} MB, growth {growth_mb:+.1f} MB",
+        f"of the processor {cpu_s:.0f} s, {alone_cpu_s:.0f} s one by one: {cpu_share:.2f}, start-up included",
+        cpu_share >= LEAST_SHARE or count < JUDGED,
+    )
+    growth_mb = watch.growth_mb()
+    tell(
+        f"memory of a worker {max(watch.mb, default=0):.0f} MB, growth {growth_mb:+.1f} MB",
         growth_mb < GROWTH_MB,
     )
     there = killed_twice(spec, folder / "killed", count)

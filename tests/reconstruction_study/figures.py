@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from voltcam_lab.pages.style import REAL, colours, styled
 
-from .contenders import ESIM, OURS, V2E
+from .contenders import ABLATIONS, ESIM, OURS, V2E
 from .real import Real
 from .results import Run, folder_of, values
 
@@ -18,7 +18,7 @@ PUBLISHED = {OURS: (0.030, 0.458), ESIM: (0.048, 0.406), V2E: (0.108, 0.336)}
 @styled
 def scores(found: list[Run], recordings: list[Real]) -> Figure:
     """A dot for each seed, by model and recording."""
-    names = list(dict.fromkeys(run.model for run in found))
+    names = _models(found)
     colour = colours(names)
     figure = Figure(figsize=(7.6, 0.9 + len(recordings) * (0.6 + 0.24 * len(names))), layout="constrained")
     axes = figure.subplots(len(recordings), 2, squeeze=False, sharey=True)
@@ -50,7 +50,7 @@ def scores(found: list[Run], recordings: list[Real]) -> Figure:
 @styled
 def images(work: Path, found: list[Run], recordings: list[Real]) -> Figure:
     """The last frame of each recording, and what the networks of the first seed make of its events."""
-    names = [name for name in dict.fromkeys(run.model for run in found) if ", without" not in name]
+    names = _models(found)
     figure = Figure(figsize=(7.6, 0.3 + 1.15 * len(recordings)), layout="constrained")
     axes = figure.subplots(len(recordings), 1 + len(names), squeeze=False)
     for row, recording in zip(axes, recordings, strict=True):
@@ -72,7 +72,7 @@ def images(work: Path, found: list[Run], recordings: list[Real]) -> Figure:
 @styled
 def losses(found: list[Run]) -> Figure:
     """Of training, the mean over seeds, smoothed over 20 steps."""
-    names = [name for name in dict.fromkeys(run.model for run in found) if ", without" not in name]
+    names = _models(found)
     colour = colours(names)
     figure = Figure(figsize=(7.6, 2.6), layout="constrained")
     axis = figure.subplots()
@@ -90,3 +90,8 @@ def losses(found: list[Run]) -> Figure:
     axis.grid()
     axis.legend(ncols=3)
     return figure
+
+
+def _models(found: list[Run]) -> list[str]:
+    """Those that have results, without the ablation's."""
+    return [name for name in dict.fromkeys(run.model for run in found) if name not in ABLATIONS]

@@ -107,7 +107,9 @@ def load_spec(path: Path, over: Mapping[str, Any] | None = None) -> Spec:
 
 
 def spec_of(content: Mapping[str, Any], origin: str, folder: Path = Path()) -> Spec:
-    """origin: for messages. folder: what paths are seen from. Raises UsageError."""
+    """origin: for messages. folder: what paths are seen from; they become absolute, since workers elsewhere
+    have folders of their own. Raises UsageError."""
+    folder = folder.absolute()
     try:
         spec = Spec.model_validate(dict(content))
     except ValidationError as error:

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from tests.client.formats.suffixes import FROM_BEGINNING, SPOOLED
 
 from voltcam_client.formats import SUFFIXES, RecordingError, Writer, open_writer, read
+from voltcam_client.formats.writer import AppendFile
 from voltcam_client.packet import EVENT
 
 EVERY_FORMAT = pytest.mark.parametrize("suffix", sorted(SUFFIXES))
@@ -138,3 +139,11 @@ def test_a_failed_write_is_the_last(tmp_path: Path, make_events, monkeypatch: py
     assert recording.frames is not None
     assert recording.frames.shape == (1, 260, 346)
     assert recording.events.size == 10
+
+
+def test_an_append_file_goes_on_from_its_end(tmp_path: Path) -> None:
+    for text in (b"one", b"two"):
+        file = AppendFile.continued(tmp_path / "a")
+        file.append(text)
+        file.close()
+    assert (tmp_path / "a").read_bytes() == b"onetwo"
