@@ -18,10 +18,15 @@ MINUTES ?= 60
 # Of fuzz: how long.
 SECONDS ?= 600
 
+# Of study-reconstruction: a folder of photographs; further arguments, see `python -m tests.reconstruction_study --help`.
+PHOTOGRAPHS ?=
+STUDY ?=
+
 # Of docs: a warning is an error, and all are told. All pages are made anew, since code may have changed.
 STRICT := --fresh-env --nitpicky --fail-on-warning --keep-going --quiet
 
-.PHONY: run test check docs docs-serve format dist hidden-effects patches soak fuzz v4l2 interop clean calibration-table dataset-campaign
+.PHONY: run test check docs docs-serve format dist clean hidden-effects patches soak fuzz v4l2 interop
+.PHONY: calibration-table dataset-campaign study-reconstruction
 
 run: .venv/installed-server
 	$(BIN)/voltcam serve
@@ -58,6 +63,10 @@ hidden-effects: .venv/installed-dev
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 nice -n 10 \
 		$(BIN)/python -m tests.hidden_effects $(if $(SEED),--seed $(SEED)) --cases '$(CASES)' --jobs $(JOBS)
 
+# Goes on where it was interrupted; recordings are in the folder VOLTCAM_DATA.
+study-reconstruction: .venv/installed-learn
+	nice -n 10 $(BIN)/python -m tests.reconstruction_study $(if $(PHOTOGRAPHS),--photographs '$(PHOTOGRAPHS)') $(STUDY)
+
 fuzz: .venv/installed-dev
 	$(BIN)/python -m tests.campaigns.fuzz --seconds $(SECONDS) $(if $(SEED),--seed $(SEED))
 
@@ -92,6 +101,10 @@ clean:
 
 .venv/installed-server: pyproject.toml | .venv/bin/pip
 	$(BIN)/pip install --quiet --editable '.[server]'
+	touch $@
+
+.venv/installed-learn: pyproject.toml .venv/installed-dev
+	$(BIN)/pip install --quiet --editable '.[dev,learn]'
 	touch $@
 
 .venv/installed-dev: pyproject.toml | .venv/bin/pip

@@ -9,8 +9,8 @@ from typing import Any
 from voltcam_client import camera
 from voltcam_client.camera import EventCamera
 from voltcam_client.cli_arguments import URL_HELP
+from voltcam_client.intrinsics import UNKNOWN_INTRINSICS, read_intrinsics
 from voltcam_client.ros1.bridge import Bridge, BridgeSettings
-from voltcam_client.ros1.intrinsics import UNKNOWN_INTRINSICS, read_intrinsics
 from voltcam_client.ros1.names import Names
 from voltcam_client.ros1.node import Node
 from voltcam_client.terminal import until_signal

@@ -12,7 +12,7 @@ Frames = NDArray[np.uint8]
 REPEATS = 5
 
 
-MORE_IS_BETTER = ("Mpx/s", "GB/s", "times", "Mevents/s")
+MORE_IS_BETTER = ("Mpx/s", "GB/s", "times", "Mevents/s", "pictures/s")
 """Units; of all others less is better."""
 
 

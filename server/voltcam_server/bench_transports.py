@@ -1,7 +1,8 @@
 """`voltcam bench transports`: how many events a second a receiver in its own process has, and how late.
 
-Each transport stands beside a plain TCP socket that carries as many bytes, measured in the same way at once
-after it. At most AHEAD packets are under way, so that nothing is dropped and memory is bounded.
+Each transport stands beside a plain socket that carries as many bytes, measured in the same way at once after
+it. So few packets are under way that nothing is dropped and memory is bounded. Where a receiver does not get
+all, as with UDP, packets leave as fast as they can, and what arrives is counted.
 """
 
 import contextlib
@@ -10,7 +11,6 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager
 from functools import partial
 from typing import NamedTuple
 
@@ -21,46 +21,57 @@ from voltcam_client.encodings import EVENT, Events
 from voltcam_client.errors import VoltcamError
 
 from .bench_figure import REPEATS, Figure
+from .bench_plain import Sender
 from .bench_receivers import REPORT
-from .bench_senders import HEIGHT, SENDERS, WIDTH, Kind, Sender, tcp
+from .bench_senders import HEIGHT, SENDERS, WIDTH, Kind
 
 PACKET_EVENTS = 8192  # a daemon's largest packet
-AHEAD = 40  # packets under way: 5 MB of DV, less than what makes a transport drop
-LATENCY_EVENTS, LATENCY_PERIOD_S = 1000, 0.001  # a million events a second, in packets of 1 ms
+LATENCY_EVENTS = 1000  # in packets of 1 ms: a million events a second
 LOOK_S = 1.5  # at each of throughput and latency
 BEGIN_S, LOST_S = 15.0, 0.5
 PAUSE_S, GREET_S = 0.0002, 0.02
 REPORTED = np.dtype([("events", "<i8"), ("newest_us", "<i8"), ("at_ns", "<i8")])
 
 
-class TransportSpeed(NamedTuple):
-    """Of one transport: million events/s in each part of the look, and latencies of packets, ms."""
+class Throughput(NamedTuple):
+    """parts: what arrived a second, millions of events or pictures, in each of REPEATS parts of the look.
 
-    rates: list[float]
-    late_ms: NDArray[np.float64]
+    sent: million events/s. arrived: share of the events that left; None where the receiver gets all.
+    """
+
+    parts: list[float]
+    sent: float
+    arrived: float | None
+
+    @property
+    def remark(self) -> str:
+        return "" if self.arrived is None else f", {100 * self.arrived:.0f} % arrived"
 
 
 def transports(look_s: float = LOOK_S) -> Iterator[Callable[[], list[Figure]]]:
     """What is measured, in order."""
     for name, kind in SENDERS.items():
-        yield partial(beside_tcp, name, kind, look_s)
+        if kind.there:
+            yield partial(beside_plain, name, kind, look_s)
 
 
-def beside_tcp(name: str, kind: Kind, look_s: float) -> list[Figure]:
-    """Throughput and latency, of a transport and of a socket with as many bytes; none without its library."""
-    if not kind.there:
-        return []
+def beside_plain(name: str, kind: Kind, look_s: float) -> list[Figure]:
+    """Throughput and latency, of a transport and of a socket with as many bytes, where there is one."""
+    unit = "pictures/s" if kind.pictures else "Mevents/s"
+    ours, ours_ms = throughput(name, kind, look_s), latencies(name, kind, look_s)
+    if kind.plain is None:
+        remark = f"of {ours.sent:.3g} Mevents/s" if kind.pictures else ""
+        return [Figure.of(f"{name} throughput", ours.parts, unit, remark), *late(name, ours_ms)]
     full, small = (kind.wire_bytes(events_at(0, count)) for count in (PACKET_EVENTS, LATENCY_EVENTS))
-    ours = TransportSpeed(rates(name, kind.open, 0, look_s), latencies(name, kind.open, 0, look_s))
-    limit = TransportSpeed(
-        rates("tcp", partial(tcp, full), full, look_s), latencies("tcp", partial(tcp, small), small, look_s)
-    )
-    share = np.median(ours.rates) / np.median(limit.rates)
+    plain, receiver = kind.plain, kind.plain_receiver
+    limit = throughput(receiver, kind._replace(open=partial(plain, full)), look_s, full)
+    limit_ms = latencies(receiver, kind._replace(open=partial(plain, small)), look_s, small)
+    share = f"{np.median(ours.parts) / np.median(limit.parts):.2f} of the plain socket"
     return [
-        Figure.of(f"{name} throughput", ours.rates, "Mevents/s", f"{share:.2f} of the plain socket"),
-        Figure.of(f"{name}: plain socket, same bytes", limit.rates, "Mevents/s", f"{full} bytes a packet"),
-        *late(name, ours.late_ms),
-        *late(f"{name}: plain socket", limit.late_ms),
+        Figure.of(f"{name} throughput", ours.parts, unit, share + ours.remark),
+        Figure.of(f"{name}: plain socket, same bytes", limit.parts, unit, f"{full} bytes{limit.remark}"),
+        *late(name, ours_ms),
+        *late(f"{name}: plain socket", limit_ms),
     ]
 
 
@@ -73,38 +84,48 @@ def late(name: str, late_ms: NDArray[np.float64]) -> list[Figure]:
     ]
 
 
-def rates(
-    name: str, opened: Callable[[], AbstractContextManager[Sender]], packet_bytes: int, look_s: float
-) -> list[float]:
-    """Million events a second, in each of REPEATS parts of the packets that came."""
+def throughput(receiver: str, kind: Kind, look_s: float, packet_bytes: int = 0) -> Throughput:
+    """As fast as it goes. receiver: its name."""
     events = events_at(0, PACKET_EVENTS)
-    with _receiving(name, opened, packet_bytes) as (sender, reports):
-        until_s, sent, begin = time.monotonic() + look_s, reports.events, reports.count
-        while time.monotonic() < until_s:
-            if sent - reports.events < AHEAD * PACKET_EVENTS:
+    with _receiving(receiver, kind, packet_bytes) as (sender, reports):
+        begin, begin_s = reports.count, time.monotonic()
+        gone = partial(_gone, kind, sender, reports)
+        before = sent = gone()
+        while time.monotonic() < begin_s + look_s:
+            if sent - gone() < kind.ahead:
                 sender.send(events)
-                sent += PACKET_EVENTS
+                sent += 1
                 continue
-            if time.time_ns() - reports.last_ns > LOST_S * 1e9:
-                sent = reports.events  # the others are lost
+            if sender.taken is None and time.time_ns() - reports.last_ns > LOST_S * 1e9:
+                sent = gone()  # the others are lost
             time.sleep(PAUSE_S)
+        left_per_s = (gone() - before) * PACKET_EVENTS / (time.monotonic() - begin_s)
+        time.sleep(LOST_S)  # what is under way
+        left = (gone() - before) * PACKET_EVENTS
         rows = reports.rows(begin)
-    found = []
+    parts = []
     for part in np.array_split(rows, REPEATS):
         span_ns = int(part["at_ns"][-1] - part["at_ns"][0])
-        found.append(int(part["events"][1:].sum()) / max(span_ns, 1) * 1e3)
-    return found
+        arrivals = part[1:].size * 1e6 if kind.pictures else int(part["events"][1:].sum())
+        parts.append(arrivals / max(span_ns, 1) * 1e3)
+    arrived = None if sender.taken is None or kind.pictures else int(rows["events"].sum()) / left
+    return Throughput(parts, left_per_s / 1e6, arrived)
 
 
-def latencies(
-    name: str, opened: Callable[[], AbstractContextManager[Sender]], packet_bytes: int, look_s: float
-) -> NDArray[np.float64]:
+def _gone(kind: Kind, sender: Sender, reports: "Reports") -> float:
+    """Packets that are no longer under way."""
+    if sender.taken is not None:
+        return sender.taken()
+    return reports.count if kind.pictures else reports.events / PACKET_EVENTS
+
+
+def latencies(receiver: str, kind: Kind, look_s: float, packet_bytes: int = 0) -> NDArray[np.float64]:
     """From just before a packet is published to when the receiver's program has it, ms."""
-    with _receiving(name, opened, packet_bytes) as (sender, reports):
+    with _receiving(receiver, kind, packet_bytes) as (sender, reports):
         begin, next_s = reports.count, time.monotonic()
-        for _ in range(int(look_s / LATENCY_PERIOD_S)):
+        for _ in range(int(look_s / kind.period_s)):
             sender.send(events_at(time.time_ns() // 1000, LATENCY_EVENTS))
-            next_s += LATENCY_PERIOD_S
+            next_s += kind.period_s
             time.sleep(max(0.0, next_s - time.monotonic()))
         time.sleep(GREET_S)  # for the last
         rows = reports.rows(begin)
@@ -150,12 +171,10 @@ class Reports:
 
 
 @contextlib.contextmanager
-def _receiving(
-    name: str, opened: Callable[[], AbstractContextManager[Sender]], packet_bytes: int
-) -> Iterator[tuple[Sender, Reports]]:
+def _receiving(name: str, kind: Kind, packet_bytes: int) -> Iterator[tuple[Sender, Reports]]:
     """A sender, and the reports of a receiver in its own process that has begun to receive."""
     command = [sys.executable, "-m", "voltcam_server.bench_receivers", name]
-    with opened() as sender:
+    with kind.open() as sender:
         process = subprocess.Popen([*command, sender.address, str(packet_bytes)], stdout=subprocess.PIPE)
         with process:
             reports = Reports(process)

@@ -1,6 +1,7 @@
 """What one camera is told: pixel, source, packets and where these go."""
 
 import re
+from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
@@ -8,6 +9,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 
 from voltcam_client.encodings import ENCODINGS, EVENT
 from voltcam_client.errors import PacketError
+from voltcam_client.formats.ros_messages import EventsAs
 from voltcam_client.ros2 import Ros2Error
 from voltcam_client.ros2.names import topic_name
 from voltcam_simulator import Camera, Device, Law, Parameters
@@ -167,6 +169,16 @@ class CameraSettings(BaseModel):
         default="off",
         examples=["dvs", "off"],
         description="namespace of the topics of ROS 2: events, image_raw, camera_info and imu; off: none",
+    )
+    ros2_messages: EventsAs = Field(
+        default="packet",
+        description="events there as event_camera_msgs/EventPacket; array: as dvs_msgs/EventArray",
+    )
+    camera_info: Path | None = Field(
+        default=None,
+        examples=["davis.yaml"],
+        description="intrinsics for camera_info there, as ROS' camera_calibration writes them; without it "
+        "zeros, which say that the camera is not calibrated",
     )
 
     udp: Udp = Field(

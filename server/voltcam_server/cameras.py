@@ -8,6 +8,8 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict
 
+from voltcam_client.errors import VoltcamError
+from voltcam_client.intrinsics import UNKNOWN_INTRINSICS, Intrinsics, read_intrinsics
 from voltcam_client.packet import TOPIC_EVENTS, TOPIC_FRAMES
 from voltcam_client.samples import TOPIC_IMU, TOPIC_TRIGGERS
 from voltcam_simulator import Camera, Law, NoDeviceError, Parameters
@@ -196,6 +198,13 @@ class RunningCamera:
         return self.plan.name
 
     @property
+    def addresses(self) -> dict[str, str]:
+        """Of its transports, by name, as programs of theirs are told them."""
+        found = {transport.name: transport.status.address for transport in self.transports}
+        found |= {} if self.dv is None else {"dv": self.dv}
+        return found | ({"ros2": self.plan.settings.ros2} if "ros2" in found else {})
+
+    @property
     def answer(self) -> CameraAnswer:
         camera, settings = self.plan.camera, self.plan.settings
         return CameraAnswer(
@@ -224,12 +233,31 @@ def _ros2_transport(plan: Plan) -> Ros2Transport:
     """Raises UsageError."""
     settings = plan.settings
     sizes = {
-        TOPIC_EVENTS: settings.packets.packet_bytes,
+        TOPIC_EVENTS: settings.packets.packet_bytes * (2 if settings.ros2_messages == "array" else 1),
         TOPIC_FRAMES: plan.camera.width * plan.camera.height,
         TOPIC_IMU: 400,
     }
     largest = {topic: sizes[topic] for topic in _topics(settings) if topic in sizes}
-    return Ros2Transport(settings.ros2, settings.encoding, largest)
+    intrinsics = _intrinsics(settings.camera_info, (plan.camera.width, plan.camera.height))
+    return Ros2Transport(settings.ros2, settings.encoding, largest, settings.ros2_messages, intrinsics)
+
+
+def _intrinsics(path: Path | None, size: tuple[int, int]) -> Intrinsics:
+    """Raises UsageError for a file that cannot be read, and for a camera of another size."""
+    if path is None:
+        return UNKNOWN_INTRINSICS
+    try:
+        intrinsics = read_intrinsics(path)
+    except OSError as error:
+        raise UsageError(f"{path} cannot be read: {error.strerror}: check the name and its rights") from None
+    except VoltcamError as error:
+        raise UsageError(one_line(error)) from None
+    if intrinsics.size != size:
+        (w, h), (width, height) = intrinsics.size or (0, 0), size
+        raise UsageError(
+            f"{path} is of {w} x {h} pixels, and the camera has {width} x {height}: calibrate that one"
+        )
+    return intrinsics
 
 
 def _topics(settings: CameraSettings) -> list[bytes]:

@@ -9,6 +9,7 @@ from typing import Any, get_args
 
 from voltcam_client.cli_arguments import seconds
 from voltcam_client.formats import SUFFIXES
+from voltcam_client.formats.ros_messages import EventsAs
 from voltcam_simulator import Device, Law, camera_names
 from voltcam_simulator.parameters import merged
 from voltcam_video import Fit, Levels
@@ -21,6 +22,14 @@ from .settings import schema as config_schema
 
 CAMERA_HELP = f"{', '.join(camera_names())}, or a camera file (.yaml)"
 DAVIS_OPTIONS = {"frames": "frames", "imu": "imu_hz", "triggers": "triggers_hz"}
+BANNER = {
+    "zeromq": ("events", "{}", "to see them: voltcam listen {}"),
+    "dv": ("DV", "{}", "for dv-processing"),
+    "udp": ("UDP", "{}", "events are sent there, to whoever listens"),
+    "foxglove": ("Foxglove", "{}", "in Foxglove: Open connection, Foxglove WebSocket"),
+    "ros2": ("ROS 2", "{}/events", "ros2 topic hz {}"),
+}
+"""What `voltcam serve` says of each transport: its name, its address, and what to do with it."""
 SOURCE_FIELDS = ("fit", "levels", "width", "height", "fps", "pixel_format")
 
 
@@ -81,6 +90,16 @@ examples:
         metavar="NAMESPACE",
         help="topics of ROS 2: NAMESPACE/events, image_raw, camera_info, imu; needs voltcam[ros2] "
         "(default: off)",
+    )
+    out.add_argument(
+        "--ros2-messages",
+        choices=get_args(EventsAs),
+        help="events there as event_camera_msgs/EventPacket (packet, the default) or dvs_msgs/EventArray",
+    )
+    out.add_argument(
+        "--camera-info",
+        metavar="FILE.yaml",
+        help="intrinsics for ROS 2, as camera_calibration writes them",
     )
     out.add_argument(
         "--frames",
@@ -204,15 +223,14 @@ def run_daemon(given: dict[str, Any], config: Path | None, record: str | None) -
     for name, each in settings.each().items():
         print(f"voltcam: {name} looking at {each.source.shown} ...", flush=True)
 
-    def banner(page: str, endpoints: dict[str, tuple[str, str | None]]) -> None:
-        print(f"  page    {page}")
-        for (name, (zmq, dv)), each in zip(endpoints.items(), settings.each().values(), strict=True):
+    def banner(page: str, cameras: dict[str, dict[str, str]]) -> None:
+        print(f"  page      {page}")
+        for name, addresses in cameras.items():
             whose = f"of {name}; " if settings.cameras else ""
-            print(f"  events  {zmq}  ({whose}to see them: voltcam listen {zmq})")
-            if dv is not None:
-                print(f"  DV      {dv}  ({whose}for dv-processing)")
-            if each.ros2 != "off":
-                print(f"  ROS 2   {each.ros2}/events  ({whose}ros2 topic hz {each.ros2}/events)")
+            for transport, (label, shown, remark) in BANNER.items():
+                if transport in addresses:
+                    at = shown.format(addresses[transport])
+                    print(f"  {label:<8}  {at}  ({whose}{remark.format(at)})")
         print("  Ctrl-C ends it", flush=True)
 
     run(settings, record, banner, read)
@@ -264,6 +282,8 @@ def _given(args: argparse.Namespace) -> dict[str, Any]:
             "udp",
             "foxglove",
             "ros2",
+            "ros2_messages",
+            "camera_info",
             "encoding",
         )
         if key in given

@@ -53,9 +53,16 @@ def _findings(settings: Settings) -> Iterator[tuple[bool | None, str, str]]:
     cores = joblib.cpu_count()
     yield (cores >= 2, "cores", f"{cores}" if cores >= 2 else "1: simulating and sending share it; give two")
     zmq = settings.zmq.removeprefix("tcp://")
-    for address, flag in ((settings.http, "--http"), (zmq, "--zmq"), (settings.dv, "--dv")):
+    for address, flag in (
+        (settings.http, "--http"),
+        (zmq, "--zmq"),
+        (settings.dv, "--dv"),
+        (settings.foxglove, "--foxglove"),
+    ):
         if "://" not in address and address != "off":
             yield _port(address, flag)
+    if settings.udp != "off":
+        yield _udp(settings.udp)
     free_gb = shutil.disk_usage(settings.recordings).free / 1e9
     yield free_gb > 1, "disk", f"{free_gb:.0f} GB free for recordings in {settings.recordings.resolve()}"
     yield from _devices()
@@ -79,6 +86,16 @@ def _port(address: str, flag: str) -> tuple[bool, str, str]:
         number = getattr(error, "errno", None)
         reason = os.strerror(number) if number and number > 0 else error
         return False, "port", f"{address}: {reason}; choose another with {flag}"
+
+
+def _udp(url: str) -> tuple[bool, str, str]:
+    """Whether there is such a host; not whether anybody listens, which nobody is told."""
+    host, _, port = url.partition("://")[2].rpartition(":")
+    try:
+        socket.getaddrinfo(host.strip("[]"), int(port), type=socket.SOCK_DGRAM)
+    except OSError as error:
+        return False, "UDP", f"{url}: {error.strerror}; choose another with --udp"
+    return True, "UDP", f"{url} can be sent to; whether anybody listens there is not known"
 
 
 def _devices() -> Iterator[tuple[bool | None, str, str]]:

@@ -44,11 +44,11 @@ class _Server(uvicorn.Server):
 def serve(
     settings: Settings,
     record: str | None,
-    on_ready: Callable[[str, dict[str, tuple[str, str | None]]], None],
+    on_ready: Callable[[str, dict[str, dict[str, str]]], None],
     reread: Callable[[], Settings],
 ) -> None:
-    """Run until SIGINT or SIGTERM. `on_ready` gets the page's address, and the cameras' ZeroMQ endpoints and
-    DV addresses.
+    """Run until SIGINT or SIGTERM. `on_ready` gets the page's address, and the addresses of each camera's
+    transports, by their names.
 
     reread: the settings as they are then, for SIGHUP and REST. Raises UsageError for settings that cannot
     be, a port in use, a source that cannot be opened; RecordingError and FormatError for a recording that
@@ -86,7 +86,7 @@ def serve(
         if settings.announce:
             endpoints = {camera.name: camera.zmq for camera in cameras}
             stack.enter_context(announced(listener, access.secure, endpoints))
-        on_ready(page, {camera.name: (camera.zmq, camera.dv) for camera in cameras})
+        on_ready(page, {camera.name: camera.addresses for camera in cameras})
         tell_systemd("READY=1")
         server.run(sockets=[listener])
         if cameras.failure is not None:

@@ -21,15 +21,14 @@ import torch
 
 from voltcam_lab.torch import EventClips, Photographs
 from voltcam_simulator import EVENT
-from voltcam_video.photos import PhotoFolder, light_of
 
 SIZE, WINDOWS, WINDOW_US = 128, 20, 40_000
 Grids = Iterator[Any]
 
 
-def clips_of(light: list[Any], count: int) -> EventClips:
+def clips_of(photographs: Path, count: int) -> EventClips:
     return EventClips(
-        Photographs(light),
+        Photographs(photographs),
         "davis346",
         width=SIZE,
         height=SIZE,
@@ -49,7 +48,7 @@ def stored(clips: EventClips, count: int, folder: Path) -> None:
                 for name in "txyp":
                     kind = "u1" if name == "p" else "u4" if name == "t" else "u2"
                     events.create_dataset(f"{number}/{window}/{name}", data=each[name].astype(kind), **packed)
-            made = np.stack([clips.represented(each) for each in clip.events])
+            made = np.stack([clips.shape.represented(each) for each in clip.events])
             grids.create_dataset(f"{number}/grids", data=made.astype(np.float16), **packed)
             for file in (events, grids):
                 file.create_dataset(f"{number}/images", data=np.rint(clip.images).astype(np.uint8), **packed)
@@ -65,7 +64,7 @@ def from_events(clips: EventClips, count: int, folder: Path) -> Grids:
                 each = np.empty(len(columns["t"]), EVENT)
                 for name, column in columns.items():
                     each[name] = column
-                made.append(clips.represented(each))
+                made.append(clips.shape.represented(each))
             yield torch.from_numpy(np.stack(made)), torch.from_numpy(file[f"{number}/images"][:]).float()
 
 
@@ -93,9 +92,9 @@ def main() -> None:
     parser.add_argument("--clips", type=int, default=30)
     args = parser.parse_args()
     torch.set_num_threads(1)
-    light = [light_of(each) for each in PhotoFolder(args.photographs)]
-    clips = clips_of(light, args.clips)
-    next(iter(clips))  # compiles
+    clips = clips_of(args.photographs, args.clips)
+    for _ in clips:  # compiles, and reads the photographs
+        pass
     clips.set_epoch(0)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

@@ -19,7 +19,12 @@ DOCS = Path(__file__).parents[2] / "docs"
 MOST_WORDS, GOOD_WORDS = 40, 25
 MOST_BEYOND = 0.05
 """Share of the sentences beyond GOOD_WORDS, over all pages."""
-WRITTEN = ("evaluation.md", "hidden-effects.md", "calibration-accuracy.md")  # by programs, in how-it-works
+WRITTEN = (
+    "evaluation.md",
+    "hidden-effects.md",
+    "calibration-accuracy.md",
+    "reconstruction-study.md",
+)  # by programs, in how-it-works
 RECORD = re.compile(r"decisions/\d{4}-")
 END = re.compile(r"(?<=[.!?:;])\s+(?=[^a-z\s])|(?<=[.!?])$")
 ABBREVIATION = re.compile(r"\b(e\.g|i\.e|et al|Eq|Fig|vs|J|Prob)\.\s")

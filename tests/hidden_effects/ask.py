@@ -89,7 +89,8 @@ def ask(question: Question) -> Verdict:
         return Verdict(verdict="refused", reason=str(error))
     rig = Rig(session.rig.setting)
     candidates = _sabotaged(session.candidates, question)
-    diagnosis = diagnose(Search(rig, session.data, candidates), Hypothesis(session.parameters))
+    search = Search(rig, session.data, candidates, sensor=session.sensor)
+    diagnosis = diagnose(search, Hypothesis(session.parameters))
     return _verdict(diagnosis)
 
 

@@ -3,7 +3,7 @@
 import dataclasses
 
 from cyclonedds.idl import IdlStruct
-from cyclonedds.idl.types import array, float64, int32, sequence, uint8, uint32, uint64
+from cyclonedds.idl.types import array, float64, int32, sequence, uint8, uint16, uint32, uint64
 
 
 @dataclasses.dataclass
@@ -28,6 +28,22 @@ class EventPacket(IdlStruct, typename="event_camera_msgs.msg.dds_.EventPacket_")
     encoding_: str
     is_bigendian_: bool
     events_: sequence[uint8]
+
+
+@dataclasses.dataclass
+class Event(IdlStruct, typename="dvs_msgs.msg.dds_.Event_"):
+    x_: uint16
+    y_: uint16
+    ts_: Time
+    polarity_: bool
+
+
+@dataclasses.dataclass
+class EventArray(IdlStruct, typename="dvs_msgs.msg.dds_.EventArray_"):
+    header_: Header
+    height_: uint32
+    width_: uint32
+    events_: sequence[Event]
 
 
 @dataclasses.dataclass

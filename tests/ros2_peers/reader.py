@@ -18,9 +18,9 @@ from cyclonedds.qos import Policy, Qos
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
-from idl_messages import CameraInfo, EventPacket, Image, Imu
+from idl_messages import CameraInfo, EventArray, EventPacket, Image, Imu
 
-TYPES = {each.__name__: each for each in (EventPacket, Image, CameraInfo, Imu)}
+TYPES = {each.__name__: each for each in (EventPacket, EventArray, Image, CameraInfo, Imu)}
 
 
 def plain(value: Any) -> Any:
@@ -34,7 +34,7 @@ def plain(value: Any) -> Any:
         return bytes(value).hex()
     if isinstance(value, (list, tuple)):
         whole = value and all(isinstance(each, int) and 0 <= each < 256 for each in value)
-        return bytes(value).hex() if whole else list(value)
+        return bytes(value).hex() if whole else [plain(each) for each in value]
     return value
 
 

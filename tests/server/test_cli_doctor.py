@@ -9,7 +9,8 @@ from tests.ports import free_port
 
 from voltcam_client.cli import main
 from voltcam_server import cli_doctor
-from voltcam_server.cli_doctor import _devices, _port, _sizes, _speed
+from voltcam_server.cli_doctor import _devices, _findings, _port, _sizes, _speed, _udp
+from voltcam_server.settings import Settings
 from voltcam_simulator import Camera
 
 
@@ -36,6 +37,31 @@ def test_a_port_is_free_or_taken(host: str) -> None:
         good, _, words = _port(f"{host}:{port}", "--zmq")
     assert not good
     assert "Address already in use; choose another with --zmq" in words
+
+
+@pytest.mark.parametrize(
+    ("url", "good", "words"),
+    [
+        ("spif://127.0.0.1:3333", True, "can be sent to"),
+        ("spif://[::1]:3333", True, "can be sent to"),
+        ("t32_x16_y15_on1://no.such.host.invalid:3333", False, "choose another with --udp"),
+    ],
+)
+def test_datagrams_need_a_host_that_there_is(url: str, good: bool, words: str) -> None:
+    found, what, said = _udp(url)
+    assert (found, what) == (good, "UDP")
+    assert said.startswith(url)
+    assert words in said
+
+
+def test_foxglove_and_udp_are_named_where_they_are_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cli_doctor, "_speed", lambda _: iter(()))
+    port = free_port()
+    settings = Settings(foxglove=f"127.0.0.1:{port}", udp="spif://127.0.0.1:3333")
+    said = [words for _, _, words in _findings(settings)]
+    assert f"127.0.0.1:{port} is free" in said
+    assert [words for words in said if words.startswith("spif://127.0.0.1:3333 can")]
+    assert not [words for _, _, words in _findings(Settings()) if "spif" in words or str(port) in words]
 
 
 @pytest.mark.parametrize("address", ["127.0.0.1:http", "127.0.0.1:99999999", "no.such.host.invalid:80"])

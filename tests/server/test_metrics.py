@@ -45,7 +45,8 @@ def test_health_and_metrics(api: Api) -> None:
     assert value["voltcam_state", "running"] == 1
     assert value["voltcam_state", "stalled"] == 0
     simulated = value["voltcam_stage_seconds_count", "simulating"]
-    assert before["frames"]["received"] <= simulated <= after["frames"]["received"]
+    assert before["frames"]["simulated"] <= simulated + 1  # one may be counted and not yet timed
+    assert simulated <= after["frames"]["received"]
     assert families["process_resident_memory_bytes"].samples[0].value > 1e6
 
 

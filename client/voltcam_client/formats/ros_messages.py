@@ -4,7 +4,7 @@ Sources: rpg_dvs_ros, ros-event-camera/event_camera_msgs; wiki.ros.org/msg; OMG 
 """
 
 import struct
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,9 @@ from voltcam_client.encodings import EVENT, Events
 ARRAY = "dvs_msgs/msg/EventArray"
 PACKET = "event_camera_msgs/msg/EventPacket"
 IMAGE = "sensor_msgs/msg/Image"
+
+EventsAs = Literal["packet", "array"]
+"""Which of the two is published."""
 
 DEFINITIONS = {
     PACKET: "std_msgs/Header header\nuint32 height\nuint32 width\nuint64 seq\nuint64 time_base\n"

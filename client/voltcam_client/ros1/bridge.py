@@ -5,12 +5,13 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, TypeVar
+from typing import TypeVar
 
 from voltcam_client.camera import EventCamera, Stream
+from voltcam_client.formats.ros_messages import EventsAs
+from voltcam_client.intrinsics import UNKNOWN_INTRINSICS, Intrinsics
 from voltcam_client.packet import FrameMessage, Packet
 from voltcam_client.ros1 import RosError, messages
-from voltcam_client.ros1.intrinsics import UNKNOWN_INTRINSICS, Intrinsics
 from voltcam_client.ros1.node import Node
 from voltcam_client.ros1.publication import Publication
 from voltcam_client.samples import SamplesMessage
@@ -29,7 +30,7 @@ class BridgeSettings:
     """
 
     namespace: str = "dvs"
-    events: Literal["packet", "array"] = "packet"
+    events: EventsAs = "packet"
     intrinsics: Intrinsics = UNKNOWN_INTRINSICS
     frame_id: str | None = None
     queue_size: int = 100

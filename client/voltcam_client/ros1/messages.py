@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voltcam_client.formats.ros_messages import ros1_array, ros1_header
+from voltcam_client.intrinsics import Intrinsics
 from voltcam_client.packet import FrameMessage, Packet, encode_packet
-from voltcam_client.ros1.intrinsics import Intrinsics
 
 STANDARD_GRAVITY_M_S2 = 9.80665
 _UNKNOWN_ORIENTATION = np.array([0, 0, 0, 0, -1, *[0] * 8], "<f8").tobytes()

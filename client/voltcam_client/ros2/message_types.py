@@ -13,6 +13,7 @@ from typing import Any
 from voltcam_client.ros2 import Ros2Error
 
 EVENTS = "event_camera_msgs/EventPacket"
+EVENT_ARRAY = "dvs_msgs/EventArray"
 IMAGE = "sensor_msgs/Image"
 COMPRESSED_IMAGE = "sensor_msgs/CompressedImage"
 CAMERA_INFO = "sensor_msgs/CameraInfo"
@@ -27,6 +28,9 @@ FIELDS: dict[str, dict[str, str]] = {
     | {"do_rectify": "bool"},
     EVENTS: {"header": "std_msgs/Header", "height": "uint32", "width": "uint32", "seq": "uint64"}
     | {"time_base": "uint64", "encoding": "string", "is_bigendian": "bool", "events": "uint8[]"},
+    "dvs_msgs/Event": {"x": "uint16", "y": "uint16", "ts": "builtin_interfaces/Time", "polarity": "bool"},
+    EVENT_ARRAY: {"header": "std_msgs/Header", "height": "uint32", "width": "uint32"}
+    | {"events": "dvs_msgs/Event[]"},
     IMAGE: {"header": "std_msgs/Header", "height": "uint32", "width": "uint32", "encoding": "string"}
     | {"is_bigendian": "uint8", "step": "uint32", "data": "uint8[]"},
     COMPRESSED_IMAGE: {"header": "std_msgs/Header", "format": "string", "data": "uint8[]"},
@@ -41,6 +45,7 @@ FIELDS: dict[str, dict[str, str]] = {
 }
 HASHES = {
     EVENTS: "d6fa176260b1f37e5a40845305315e150a0f18191241eb64f407442aa29844aa",
+    EVENT_ARRAY: "0ea4aa5f4670adab1336550158b2e3c9bf60fe515a284c4215ed605bd559c995",
     IMAGE: "d31d41a9a4c4bc8eae9be757b0beed306564f7526c88ea6a4588fb9582527d47",
     COMPRESSED_IMAGE: "15640771531571185e2efc8a100baf923961a4d15d5569652e6cb6691e8e371a",
     CAMERA_INFO: "b3dfd68ff46c9d56c80fd3bd4ed22c7a4ddce8c8348f2f59c299e73118e7e275",
@@ -86,9 +91,8 @@ def structure(name: str) -> Any:
 def _field(kind: str) -> Any:
     types = library("idl.types")
     inner, bracket, count = kind.removesuffix("]").partition("[")
-    if "/" in inner:
-        return structure(inner)
-    one: Any = {"string": str, "bool": bool}.get(inner) or getattr(types, inner)
+    one: Any = {"string": str, "bool": bool}.get(inner)
+    one = one or (structure(inner) if "/" in inner else getattr(types, inner))
     if not bracket:
         return one
     return types.array[one, int(count)] if count else types.sequence[one]

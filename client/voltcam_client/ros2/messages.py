@@ -12,6 +12,8 @@ import struct
 import numpy as np
 
 from voltcam_client.encodings import Buffer
+from voltcam_client.formats.ros_messages import cdr_array
+from voltcam_client.intrinsics import UNKNOWN_INTRINSICS, Intrinsics
 from voltcam_client.packet import FrameMessage, Packet
 from voltcam_client.ros2 import Ros2Error
 from voltcam_client.samples import ImuSamples
@@ -27,9 +29,8 @@ class _Cdr:
     def __init__(self, t_us: int, frame_id: str) -> None:
         """Begins with std_msgs/Header. Raises Ros2Error for a time that has no stamp."""
         self._data = bytearray(LITTLE_ENDIAN)
+        _check_stamp(t_us)
         seconds, us = divmod(t_us, 1_000_000)
-        if not 0 <= seconds <= LAST_S:
-            raise Ros2Error(f"ROS 2 has stamps from 0 to 2^31 s, not {seconds} s: let time begin at 0")
         self.put("i", seconds).put("I", 1000 * us).text(frame_id)
 
     def put(self, code: str, *numbers: float) -> "_Cdr":
@@ -64,6 +65,14 @@ def event_packet(packet: Packet, encoding: str, events: Buffer) -> bytes:
     return cdr.text(encoding).put("B", 0).octets(events).bytes
 
 
+def event_array(packet: Packet) -> bytes:
+    """dvs_msgs/EventArray. Raises Ros2Error."""
+    t_us = packet.time_base_ns // 1000
+    _check_stamp(t_us)
+    _check_stamp(int(packet.events["t"][-1]) if packet.events.size else t_us)
+    return bytes(cdr_array(packet.events, t_us, 0, packet.frame_id, packet.width, packet.height))
+
+
 def image(frame: FrameMessage) -> bytes:
     """sensor_msgs/Image, mono8. Raises Ros2Error."""
     height, width = frame.image.shape
@@ -71,14 +80,16 @@ def image(frame: FrameMessage) -> bytes:
     return cdr.octets(np.ascontiguousarray(frame.image).data.cast("B")).bytes
 
 
-def camera_info(frame: FrameMessage) -> bytes:
-    """sensor_msgs/CameraInfo of an image: its size; matrices of zeros say that nothing was calibrated.
+def camera_info(frame: FrameMessage, intrinsics: Intrinsics = UNKNOWN_INTRINSICS) -> bytes:
+    """sensor_msgs/CameraInfo of an image; matrices of zeros say that nothing was calibrated.
 
     Raises Ros2Error.
     """
     height, width = frame.image.shape
-    cdr = _Cdr(frame.t_us, frame.frame_id).put("I", height, width).text("").put("I", 0)
-    return cdr.put("d", *(0.0,) * 30).put("I", *(0,) * 6).put("B", 0).bytes
+    cdr = _Cdr(frame.t_us, frame.frame_id).put("I", height, width).text(intrinsics.model)
+    cdr.put("I", len(intrinsics.distortion))
+    cdr.put("d", *intrinsics.distortion, *intrinsics.k, *intrinsics.r, *intrinsics.p)
+    return cdr.put("I", *(0,) * 6).put("B", 0).bytes
 
 
 def imu(samples: ImuSamples, frame_id: str) -> list[bytes]:
@@ -91,3 +102,8 @@ def imu(samples: ImuSamples, frame_id: str) -> list[bytes]:
         _Cdr(int(t_us), frame_id).put("d", *unknown, *turn, *none, *pull, *none).bytes
         for t_us, turn, pull in zip(samples["t"], rotation.tolist(), acceleration.tolist(), strict=True)
     ]
+
+
+def _check_stamp(t_us: int) -> None:
+    if not 0 <= t_us // 1_000_000 <= LAST_S:
+        raise Ros2Error(f"ROS 2 has stamps from 0 to 2^31 s, not {t_us // 1_000_000} s: let time begin at 0")

@@ -10,9 +10,11 @@ from collections.abc import Callable
 from functools import partial
 from typing import ClassVar, NamedTuple
 
+from voltcam_client.formats.ros_messages import EventsAs
+from voltcam_client.intrinsics import UNKNOWN_INTRINSICS, Intrinsics
 from voltcam_client.packet import TOPIC_EVENTS, TOPIC_FRAMES
 from voltcam_client.ros2 import Ros2Error, messages
-from voltcam_client.ros2.message_types import CAMERA_INFO, EVENTS, IMAGE, IMU
+from voltcam_client.ros2.message_types import CAMERA_INFO, EVENT_ARRAY, EVENTS, IMAGE, IMU
 from voltcam_client.ros2.names import Ros2Place, topic_name
 from voltcam_client.ros2.participant import TopicWriter, join
 from voltcam_client.samples import TOPIC_IMU
@@ -30,12 +32,16 @@ def _events(encoding: str, message: Message) -> list[bytes]:
     return [messages.event_packet(message.content, encoding, message.parts(encoding)[1])]
 
 
+def _event_array(message: Message) -> list[bytes]:
+    return [messages.event_array(message.content)]
+
+
 def _image(message: Message) -> list[bytes]:
     return [messages.image(message.content)]
 
 
-def _camera_info(message: Message) -> list[bytes]:
-    return [messages.camera_info(message.content)]
+def _camera_info(intrinsics: Intrinsics, message: Message) -> list[bytes]:
+    return [messages.camera_info(message.content, intrinsics)]
 
 
 def _imu(message: Message) -> list[bytes]:
@@ -53,20 +59,31 @@ class _Kind(NamedTuple):
 class Ros2Transport(Transport):
     """Publishes `NAMESPACE/events` and so on, as the environment of ROS 2 says where. Raises UsageError.
 
-    largest: bytes of the largest message of each topic that there is.
+    largest: bytes of the largest message of each topic that there is. events: the type of their messages.
     """
 
     name: ClassVar[str] = "ros2"
 
-    def __init__(self, namespace: str, encoding: str, largest: dict[bytes, int]) -> None:
+    def __init__(
+        self,
+        namespace: str,
+        encoding: str,
+        largest: dict[bytes, int],
+        events: EventsAs = "packet",
+        intrinsics: Intrinsics = UNKNOWN_INTRINSICS,
+    ) -> None:
         super().__init__()
         self._sent = self._lost = 0
         self._told_s = -TOLD_S
+        as_events = {
+            "packet": _Kind("events", EVENTS, partial(_events, encoding)),
+            "array": _Kind("events", EVENT_ARRAY, _event_array),
+        }
         kinds = {
-            TOPIC_EVENTS: [_Kind("events", EVENTS, partial(_events, encoding))],
+            TOPIC_EVENTS: [as_events[events]],
             TOPIC_FRAMES: [
                 _Kind("image_raw", IMAGE, _image),
-                _Kind("camera_info", CAMERA_INFO, _camera_info),
+                _Kind("camera_info", CAMERA_INFO, partial(_camera_info, intrinsics)),
             ],
             TOPIC_IMU: [_Kind("imu", IMU, _imu)],
         }

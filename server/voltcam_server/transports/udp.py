@@ -102,13 +102,15 @@ class UdpTransport(Transport):
         except OSError:  # its queue is full, or there is no way to the host
             self._lost += 1
 
-    def _datagrams(self, packet: Packet) -> Iterator[bytes]:
+    def _datagrams(self, packet: Packet) -> Iterator[memoryview]:
         """None of them goes over a wrap of its times: faery looks for one between datagrams only."""
         wraps = packet.events["t"] >> TIME_BITS if self._form.has_times else np.zeros(packet.events.size)
         for run in np.split(packet.events, np.flatnonzero(np.diff(wraps)) + 1):
             self._tell_of_wrap(int(run["t"][0]) >> TIME_BITS)
-            for first in range(0, run.size, DATAGRAM_EVENTS):
-                yield self._form.encode(run[first : first + DATAGRAM_EVENTS])
+            data = memoryview(self._form.encode(run))  # at once: twice as fast as each by itself
+            most_bytes = DATAGRAM_EVENTS * (len(data) // run.size)
+            for first in range(0, len(data), most_bytes):
+                yield data[first : first + most_bytes]
 
     def _tell_of_wrap(self, wraps: int) -> None:
         if self._form.has_times and wraps != self._wraps:

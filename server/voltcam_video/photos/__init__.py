@@ -4,7 +4,7 @@
 """
 
 from voltcam_video.photos.folder import PhotoFolder, UnreadablePhotographError
-from voltcam_video.photos.light import light_of
+from voltcam_video.photos.light import light_of, smaller
 from voltcam_video.photos.motion import PlaneMotion, displaced
 from voltcam_video.photos.scene import LAYERS, SPEED_PX_S, PhotoScene
 
@@ -17,4 +17,5 @@ __all__ = [
     "UnreadablePhotographError",
     "displaced",
     "light_of",
+    "smaller",
 ]

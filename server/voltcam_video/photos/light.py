@@ -35,6 +35,14 @@ def light_of(photograph: NDArray[Any]) -> Light:
     return np.reshape(grey, photograph.shape[:2])
 
 
+def smaller(light: Light, longest: int) -> Light:
+    """By a whole factor, so that no side is longer; areas are averaged."""
+    step = -(-max(light.shape) // longest)
+    rows, columns = (max(1, size // step) for size in light.shape)
+    parts = light[: rows * step, : columns * step].reshape(rows, -1, columns, step)
+    return np.asarray(parts.mean(axis=(1, 3), dtype=np.float64), np.float32)
+
+
 def shrunk(light: Light, width: int, height: int) -> Light:
     """`light` as (height, width); areas are averaged where it shrinks."""
     smaller = width <= light.shape[1] and height <= light.shape[0]

@@ -1,7 +1,7 @@
 """A recording in, a camera file out: what `voltcam calibrate` does, without its command line."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -15,16 +15,22 @@ from voltcam_simulator.effects.junction_leak import arrhenius
 from ..distances import FrameLight, Region
 from ..health import Health, Inspection
 from ..light.between_frames import scene_between
+from ..light.scene import Scene
 from ..recordings import Footage
 from ..windows import Mask
+from .bus import as_read
 from .calibrate import Calibration, CalibrationError, calibrate
+from .camera_frames import with_frames_of
 from .estimates import Estimate
+from .lateness import as_late_as
 from .paper_method import calibrate_as_paper
 from .reading import Reading
 from .refine.refine import Refined, refine
 
 Method = Literal["exact", "paper"]
 SIMULATED = 25e6  # pixels times images of light: as much as the command has time for
+EXACT = ("frame_period_us", "offset_us")
+FEWEST_FRAMES = 10  # by which events are told to be late
 WORTH_IT = 0.9  # of the score, where parameters that behave more alike take the place of the likeliest
 MOST_SAMPLES = (
     24_000_000  # pixels times frames that are fitted: about 1.5 GB; of more, the middle of the picture
@@ -127,6 +133,9 @@ def camera_from(
             estimates = tuple(
                 one.reaching(getattr(getattr(parameters, one.effect), one.parameter)) for one in estimates
             )
+    if method == "exact":
+        parameters, said = _with_camera(inspection, reading, cut, parameters, seed, report)
+        notes += said
     known: dict[str, Any] = _own(parameters) | _faulty(inspection)
     if temperature_c is not None:
         known["temperature_c"] = temperature_c
@@ -160,6 +169,54 @@ def _refined(
     return refine(
         reading.events, scene, light, region, start, seed, report, same_light=True, longest=SIMULATED
     )
+
+
+def _with_camera(
+    inspection: Inspection,
+    reading: Reading,
+    cut: tuple[slice, slice],
+    parameters: Parameters,
+    seed: int,
+    report: Callable[[str], None],
+) -> tuple[Parameters, list[str]]:
+    """What is the camera's and not the pixels': how late its events are, what its frames do to them, and how
+    they are read; with what was found, in words."""
+    report("delay")
+    parameters, notes = as_read(inspection, parameters)
+    footage, scene = _shortened(inspection.footage, reading, cut)
+    parameters, late = as_late_as(footage, scene, parameters, seed)
+    notes.append(late)
+    rows, columns = cut
+    if (rows.stop - rows.start, columns.stop - columns.start) == inspection.footage.frames.shape[1:]:
+        parameters, frames = with_frames_of(inspection, scene, footage, parameters, seed, report)
+    else:
+        frames = (
+            "what the camera's frames do was not fitted: of so long a recording only the middle is looked at"
+        )
+    return parameters, [*notes, frames] if frames else notes
+
+
+def _shortened(footage: Footage, reading: Reading, cut: tuple[slice, slice]) -> tuple[Footage, Scene]:
+    """What is simulated, from its beginning: SIMULATED at most, and a few frames at least."""
+    scene = reading.scene
+    images = max(int(SIMULATED / (scene.width * scene.height)), 2)
+    end_us = max(int(scene.t_us[:images][-1]), int(scene.taken_us[:FEWEST_FRAMES][-1]))
+    taken, filled = scene.taken_us <= end_us, scene.t_us <= end_us
+    end_us = int(scene.taken_us[taken][-1])
+    part = replace(
+        footage,
+        events=reading.events[reading.events["t"] <= end_us],
+        width=scene.width,
+        height=scene.height,
+        frames=footage.frames[taken][:, *cut],
+        frame_t_us=footage.frame_t_us[taken],
+        exposure_us=None if footage.exposure_us is None else footage.exposure_us[taken],
+    )
+    light = replace(
+        scene, taken=scene.taken[taken], taken_us=scene.taken_us[taken], images=scene.images[filled],
+        t_us=scene.t_us[filled],
+    )  # fmt: skip
+    return part, light
 
 
 def _moved(before: Parameters, after: Parameters) -> tuple[tuple[str, float, float], ...]:
@@ -249,7 +306,7 @@ def _notes_of(found: Calibration) -> list[str]:
 
 
 def _rounded(value: Any) -> Any:
-    """Floats to four digits, in nested mappings."""
+    """Floats to four digits, in nested mappings; times of frames as they are, since their errors add up."""
     if isinstance(value, dict):
-        return {key: _rounded(one) for key, one in value.items()}
+        return {key: one if key in EXACT else _rounded(one) for key, one in value.items()}
     return float(f"{value:.4g}") if isinstance(value, float) else value

@@ -96,7 +96,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-STEPS = {"exact": 22, "paper": 2}
+STEPS = {"exact": 23, "paper": 2}  # and some for each kick of the frames, where there is one
 REFINING = 20
 BAR = "{desc:<20} {percentage:3.0f}% |{bar}| {elapsed}"
 

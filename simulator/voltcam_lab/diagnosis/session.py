@@ -1,7 +1,8 @@
 """A recording made ready for diagnosis: what of it is looked at, and all that the search asks for."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ from .rig.clock import counted_from, origin_us
 from .rig.part import cut, in_columns, sample
 from .rig.settings import DEFAULT_RECORDING, DEFAULT_RIG, RecordingSettings, RigSettings
 from .rig.stored import StoredRig
+from .rig.whole import WholeSensor
 
 
 class DiagnosisError(ValueError):
@@ -34,7 +36,8 @@ class DiagnosisError(ValueError):
 class Session:
     """All that a search asks for, and what was looked at.
 
-    recording: of the sample only, x counted in `columns` (those of the sensor that it has). camera: as given,
+    recording: of the sample only, x counted in `columns` (those of the sensor that it has). sensor: all of
+    its columns, for what needs no statistics of simulated light. camera: as given,
     of the recording's size. left_out: effects that are in the camera file, or cannot show in the sample.
     taken_out: effects that were in the file, not in `camera`: without them the recording is better explained.
     origin_us: where the clock of all this begins, on that of the recording and of camera files.
@@ -42,6 +45,7 @@ class Session:
 
     name: str
     recording: Footage
+    sensor: WholeSensor
     camera: Camera
     health: Health
     columns: NDArray[np.int64]
@@ -139,9 +143,28 @@ def session_of(
             else:
                 wanted.append(entry.tuned(rig, parameters, one, part.events))
     return Session(
-        name, part, camera, inspection.health, columns, rig, rig.observe(part.events), tuple(wanted),
-        tuple(dict.fromkeys(one.effect for one in left_out)), seed, origin,
+        name, part, whole_sensor(recording, settings, rig_settings, seed), camera, inspection.health, columns,
+        rig, rig.observe(part.events), tuple(wanted), tuple(dict.fromkeys(one.effect for one in left_out)),
+        seed, origin,
     )  # fmt: skip
+
+
+def whole_sensor(
+    recording: Footage, settings: RecordingSettings, rig_settings: RigSettings, seed: int
+) -> WholeSensor:
+    """All columns of a recording, from its beginning, as long as its light fits into memory."""
+    frames = min(len(recording.frames), max(2, settings.most_whole_samples // recording.frames[0].size))
+    t_us, events = recording.frame_t_us[:frames], recording.events
+    part = replace(
+        recording,
+        frames=recording.frames[:frames],
+        frame_t_us=t_us,
+        exposure_us=None if recording.exposure_us is None else recording.exposure_us[:frames],
+        events=events[events["t"] <= t_us[-1]],
+    )
+    columns = np.arange(recording.width)
+    light = partial(best_scene, part.frames, t_us, columns, settings.noisy_dn2)
+    return WholeSensor(part, light, rig_settings, seed)
 
 
 def best_scene(

@@ -6,8 +6,8 @@
 Each measure is also a function of its own, in `intervals`, `counts` and `patches`.
 """
 
+from ..light.frame_light import FrameLight
 from .counts import NoiseRates, noise_rates
-from .light import FrameLight
 from .measures import DISTANCES, HEADLINES, MEASURES, Measure, Yardstick, closest, gap
 from .region import Region, by_pixels, by_time, held_out
 

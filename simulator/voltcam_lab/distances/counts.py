@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from voltcam_simulator.effect import Events
 
-from .light import FrameLight
+from ..light.frame_light import FrameLight
 from .region import Region
 
 BIN_US = 50_000
@@ -137,9 +137,16 @@ def in_still_light(events: Events, region: Region, light: FrameLight) -> Events:
     return still
 
 
+def still_seconds(region: Region, light: FrameLight) -> Array:
+    """(N - 1,): between each two frames, pixels of the region in still light times live seconds."""
+    pixels = np.count_nonzero(light.still & region.pixels, axis=(1, 2))
+    seconds: Array = pixels * region.live_in(light.t_us) / 1e6
+    return seconds
+
+
 def quiet_on_rate(events: Events, region: Region, light: FrameLight) -> float:
     """ON events a second and pixel where light stands still; NaN where it never does."""
-    seconds = float(light.still_seconds(region).sum())
+    seconds = float(still_seconds(region, light).sum())
     return np.count_nonzero(in_still_light(events, region, light)["p"]) / seconds if seconds else float("nan")
 
 

@@ -10,7 +10,7 @@ from scipy.stats import wasserstein_distance
 
 from voltcam_simulator.effect import Events
 
-from .light import FrameLight
+from ..light.frame_light import FrameLight
 from .region import Region
 
 BINS_PER_DECADE = 10

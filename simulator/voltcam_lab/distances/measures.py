@@ -1,14 +1,21 @@
 """All measures at once: real against simulated events, and real against real."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+from numpy.typing import NDArray
+
 from voltcam_simulator.effect import Events
 
+from ..dependence.covariates import Look
+from ..dependence.told_apart import told_apart
+from ..light.frame_light import FrameLight
+from ..windows import within
 from . import counts, patches
 from . import inter_event_intervals as intervals
-from .light import FrameLight
+from .frame_phase import phase_shares, phase_variation
 from .region import BLOCK_US, Region, by_pixels, by_time
 
 
@@ -31,6 +38,8 @@ MEASURES = {
         Measure("pair", "lag by polarity pair: Wasserstein", "decades", 0),
         Measure("b4", "4x4-block counts in 50 ms: correlation", "1", 1),
         Measure("AUC", "patches told apart by a classifier", "1", 0.5),
+        Measure("nats", "told apart by stamps and addresses, held out", "nats/event", 0),
+        Measure("phase", "phase from frame to frame: total variation", "1", 0),
         Measure("noise", "noise rate by brightness: mean difference", "events/s/pixel", 0),
         Measure("on", "ON rate", "events/s/pixel", None),
         Measure("off", "OFF rate", "events/s/pixel", None),
@@ -64,6 +73,8 @@ class Yardstick:
                 self._images, counts.count_images(simulated, region), counts.watched(region)
             ),
             "AUC": patches.auc(self.real, simulated, region),
+            "nats": told_apart(self.real, [simulated], self._look, self._judged(region)).total,
+            "phase": phase_variation(self._phases, phase_shares(simulated, region, self.light)),
             "noise": counts.noise_difference(self.noise(), counts.noise_rates(simulated, region, self.light)),
             **self.figures(simulated),
         }
@@ -102,6 +113,13 @@ class Yardstick:
         halves = by_time(self.region, BLOCK_US)
         return self._between(*halves) | {"AUC": patches.auc_of_halves(self.real, halves)}
 
+    def _judged(self, region: Region) -> Callable[[Events], NDArray[np.bool_]]:
+        def judged(events: Events) -> NDArray[np.bool_]:
+            inside: NDArray[np.bool_] = region.pixels[events["y"], events["x"]]
+            return inside & within(events["t"], region.live)
+
+        return judged
+
     def _between(self, first: Region, second: Region) -> dict[str, float]:
         real, light = self.real, self.light
         same = intervals.same_polarity(real, first), intervals.same_polarity(real, second)
@@ -113,6 +131,7 @@ class Yardstick:
             "pair": intervals.wasserstein(
                 intervals.any_polarity(real, first), intervals.any_polarity(real, second)
             ),
+            "phase": phase_variation(phase_shares(real, first, light), phase_shares(real, second, light)),
             "noise": counts.noise_difference(
                 counts.noise_rates(real, first, light), counts.noise_rates(real, second, light)
             ),
@@ -129,6 +148,15 @@ class Yardstick:
     @cached_property
     def _strata(self) -> intervals.IntervalStrata:
         return intervals.IntervalStrata.of(self._same, self.light)
+
+    @cached_property
+    def _phases(self) -> NDArray[np.float64]:
+        return phase_shares(self.real, self.region, self.light)
+
+    @cached_property
+    def _look(self) -> Look:
+        height, width = self.region.pixels.shape
+        return Look.at(self.region.of(self.real), width, height, self.light)
 
     @cached_property
     def _images(self) -> counts.Counts:

@@ -20,6 +20,7 @@ SLICE_US = 100_000
 FEWEST_EVENTS = 12
 FOLDS = 5
 LAG_EDGES = np.concatenate([[-np.inf], np.arange(2, 5.6, 0.5), [np.inf]])  # decades of us
+SOON_US = 10  # what the bus does to events that come together
 STEP_EDGES = np.array([0, 1, 2, 3, 5, 8, np.inf])  # pixels from an event of the patch to the next
 
 Array = NDArray[np.float64]
@@ -37,7 +38,8 @@ class Patches:
 
 def patches(events: Events, region: Region) -> Patches:
     """The patches with events enough. Features are shares within the patch: of lags to the pixel's event
-    before, for each pair of polarities; of steps from event to event; of events at one time; never counts."""
+    before, for each pair of polarities; of steps from event to event; of events at one time or within 10 us,
+    in the patch and with any event of the sensor or the row; never counts."""
     columns = -(-region.pixels.shape[1] // TILE_PIXELS)
     places = columns * -(-region.pixels.shape[0] // TILE_PIXELS)
 
@@ -58,7 +60,8 @@ def patches(events: Events, region: Region) -> Patches:
         _shares(lag_number[lags.group == pair], lags.decades[lags.group == pair], LAG_EDGES, len(cells))
         for pair in range(4)
     ]
-    features = np.hstack([*by_pair, *_steps(events, number, len(cells))])
+    together = _with_the_sensor(events, number, len(cells))
+    features = np.hstack([*by_pair, *_steps(events, number, len(cells)), *together])
     enough = count >= FEWEST_EVENTS
     row, column = np.divmod(cells % places, columns)
     return Patches((row // 2 * columns + column // 2)[enough], cells[enough], features[enough])
@@ -77,7 +80,17 @@ def _steps(events: Events, number: NDArray[np.int64], cells: int) -> list[Array]
         _shares(number, np.maximum(dx, dy).astype(np.float64), STEP_EDGES, cells),
         _shares(number, (dy == 0).astype(np.float64), half, cells),
         _shares(number, (dt == 0).astype(np.float64), half, cells),
+        _shares(number, (dt <= SOON_US).astype(np.float64), half, cells),
     ]
+
+
+def _with_the_sensor(events: Events, number: NDArray[np.int64], cells: int) -> list[Array]:
+    """Of each event and the one before it in all of the sensor: one time, within 10 us, one time and row."""
+    dt = np.diff(events["t"], prepend=np.iinfo(np.int64).min // 2)
+    same_row = np.diff(events["y"].astype(np.int64), prepend=-1) == 0
+    half = np.array([0, 0.5, 1.5])
+    flags = (dt == 0, dt <= SOON_US, (dt == 0) & same_row)
+    return [_shares(number, flag.astype(np.float64), half, cells) for flag in flags]
 
 
 def _shares(row: NDArray[np.int64], values: Array, edges: Array, rows: int) -> Array:

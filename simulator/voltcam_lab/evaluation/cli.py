@@ -3,6 +3,7 @@
 import argparse
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from tqdm import tqdm
@@ -16,6 +17,7 @@ from ..recordings import load
 from .contenders import contenders
 from .evaluate import Evaluation, judged, yardstick_of
 from .folds import folds, pooled, pooled_region
+from .later import later_part
 from .page import write_evaluation
 
 PAGES = Path("docs/how-it-works")
@@ -91,4 +93,9 @@ def _evaluated(
         parts.append(part)
     models = [model for model in parts[0] if all(model in part for part in parts)]
     simulated = {model: pooled([part[model] for part in parts], ways) for model in models}
-    return judged(inspection, simulated, pooled_region(whole, ways), name, progress), notes
+    found = judged(inspection, simulated, pooled_region(whole, ways), name, progress)
+    try:
+        protocols = later_part(inspection, name, progress)
+    except ValueError as error:
+        protocols, notes = {}, [*notes, f"the later part was not judged: {' '.join(str(error).split())}"]
+    return replace(found, protocols=protocols), notes

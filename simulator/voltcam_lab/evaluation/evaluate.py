@@ -1,7 +1,7 @@
 """Models against real recordings: a table of distances beside the recording's own floor, and its figures."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from voltcam_simulator.effect import Events
 from voltcam_video import Upsampling
@@ -29,7 +29,8 @@ FEWEST_FRAMES, FEWEST_EVENTS = 10, 1000
 @dataclass(frozen=True, eq=False)
 class Evaluation:
     """rows: model -> measure (distances.MEASURES) -> value, in the region of `yardstick`; floors: the same
-    between halves of the real events; simulated: model -> all its events."""
+    between halves of the real events; simulated: model -> all its events. protocols: other ways to judge,
+    by title."""
 
     name: str
     recording: Footage
@@ -37,6 +38,7 @@ class Evaluation:
     rows: dict[str, dict[str, float]]
     floors: dict[str, dict[str, float]]
     simulated: dict[str, Events]
+    protocols: dict[str, "Evaluation"] = field(default_factory=dict)
 
     def to_markdown(self) -> str:
         """Two tables, distances and rates, and who is closest in each headline distance."""

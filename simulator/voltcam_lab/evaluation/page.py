@@ -30,13 +30,18 @@ more between them), and what it gives out is held against what the camera gave o
 
 {measures}
 
-Fitting and judging share neither a pixel nor a time: tiles of 24 x 24 pixels, crossed with blocks of 400 ms,
-are judged that had no part in any fit (of a recording with few events all four quarters, each by the fit on
-the quarter opposite). The light between frames, the same for all models, is part of the fit of the exact law.
-Windows around the exposures of frames, in which the camera's own readout makes events, are cut out of both
-streams, and hot pixels left out. The last two rows of a table are
-real events against real events of the same recording: other pixels (a checkerboard) and other times (every
-other 100 ms). No simulation can be expected to come closer than that.
+In the first table of a recording, fitting and judging share neither a pixel nor a time: tiles of 24 x 24
+pixels, crossed with blocks of 400 ms, are judged that had no part in any fit (of a recording with few events
+all four quarters, each by the fit on the quarter opposite). The light between frames, the same for all models,
+is part of the fit of the exact law. Windows around the exposures of frames, in which the camera's own readout
+makes events, are cut out of both streams, and hot pixels left out.
+
+The tables "first part against later part" are of a camera that `voltcam calibrate` has made of the first 60 %
+of the time, judged on the rest: once with windows cut out, once with all events, as a user of the emulator
+sees them.
+
+The last two rows of a table are real events against real events of the same recording: other pixels (a
+checkerboard) and other times (every other 100 ms). No simulation can be expected to come closer than that.
 """
 
 BARS = """What was asked: half the distance of the best published simulator to the floor, b4 above .93. The
@@ -117,6 +122,8 @@ def _of_recording(evaluation: Evaluation, folder: Path) -> str:
         ),
     }
     lines = [f"## {evaluation.name}\n", _facts(evaluation), "", evaluation.to_markdown(), ""]
+    for title, other in evaluation.protocols.items():
+        lines += [f"### {evaluation.name}: {title}\n", _facts(other), "", other.to_markdown(), ""]
     bars = held_to(evaluation.name, evaluation.rows, next(iter(evaluation.floors.values())))
     lines += [BARS, bars, ""] if bars else []
     for kind, (figure, caption) in figures.items():

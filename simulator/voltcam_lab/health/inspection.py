@@ -10,6 +10,7 @@ from ..recordings import Footage
 from ..windows import Mask, Windows, total_us, within
 from . import basics, sensor
 from .bursts import FrameBurst, exposure_windows_of, find_bursts, row_mask
+from .bus import Bus, find_bus
 from .content import Content
 from .finding import Finding, Health
 from .lag import Lag, find_lag
@@ -17,6 +18,7 @@ from .light_change import LightChange
 from .pixels import find_hot, find_silent
 from .row_scan import RowScan, find_row_scan
 from .subject import Subject, subject_of
+from .token_scan import TokenScan, find_token_scan
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +62,16 @@ class Inspection:
         return self.scan_at_rest or find_row_scan(
             self.subject, within(self.subject.t_us, self.exposure_windows)
         )
+
+    @cached_property
+    def token_scan(self) -> TokenScan | None:
+        """How events run over the rows, round after round, whatever frames do; None where they do not."""
+        return find_token_scan(self.footage.events, self.footage.height)
+
+    @cached_property
+    def bus(self) -> Bus | None:
+        """How long the bus takes for a row and for an event; None where it is never busy for long."""
+        return find_bus(self.footage.events)
 
     @property
     def row_time_us(self) -> float | None:
@@ -115,7 +127,7 @@ class Inspection:
             sensor.event_gaps(subject),
             *sensor.faulty_pixels(subject, self.hot, self.silent),
             sensor.frame_locked(subject, self.bursts, self.exposure_windows),
-            sensor.row_readout(subject, self.row_scan),
+            sensor.row_readout(subject, self.row_scan, self.token_scan),
         ]
         content = self._content()
         findings += content.findings()

@@ -11,6 +11,7 @@ from .finding import EventsLate, Finding
 from .lag import Lag
 from .row_scan import RowScan
 from .subject import Subject
+from .token_scan import TokenScan
 
 _CLIPPED = 0.01
 _TEXTURE_DN = 10.0
@@ -155,8 +156,8 @@ def _times(burst: FrameBurst) -> str:
     return f"{polarity} x{ratio:.1f}"
 
 
-def row_readout(subject: Subject, scan: RowScan | None) -> Finding:
-    """Whether rows are read together, or one after the other."""
+def row_readout(subject: Subject, scan: RowScan | None, token: TokenScan | None = None) -> Finding:
+    """Whether rows are read together, or one after the other, with each frame or all the time."""
     same_t, same_row = np.diff(subject.t_us) == 0, np.diff(subject.y) == 0
     together = float(same_row[same_t].mean()) if same_t.sum() >= 100 else 0.0
     apart = float(same_row[~same_t].mean()) if not same_t.all() else 0.0
@@ -165,8 +166,14 @@ def row_readout(subject: Subject, scan: RowScan | None) -> Finding:
         "in_one_row": together,
         "in_one_row_otherwise": apart,
         "us_per_row": None if scan is None else scan.us_per_row,
+        "token": None if token is None else vars(token),
     }
     words = []
+    if token is not None:
+        words.append(
+            f"in {token.share:.0%} of the time events go round the rows once in {token.round_us:.0f} us, in "
+            f"stretches of {token.episode_us / 1000:.0f} ms"
+        )
     if scan is not None:
         words.append(f"events at rest run over the rows with each frame, {scan.us_per_row:.2f} us per row")
     if together > max(0.1, 3 * apart):

@@ -9,7 +9,18 @@ try:
 except ImportError as error:  # where it is missing, one line says what to install
     raise ImportError("voltcam_lab.torch takes PyTorch: pip install 'voltcam[learn]'") from error
 
-from .clips import Clip, EventClips, Representation
+from .clip import ClipShape, Representation, WindowedClip
+from .clips import EventClips
+from .recorded import RecordedClips
 from .scenery import Photographs, Scenery, Videos
 
-__all__ = ["Clip", "EventClips", "Photographs", "Representation", "Scenery", "Videos"]
+__all__ = [
+    "ClipShape",
+    "EventClips",
+    "Photographs",
+    "RecordedClips",
+    "Representation",
+    "Scenery",
+    "Videos",
+    "WindowedClip",
+]

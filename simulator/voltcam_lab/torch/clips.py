@@ -2,9 +2,9 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from itertools import count, pairwise
+from itertools import count
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import torch
@@ -16,26 +16,13 @@ from voltcam_simulator.effect import Events
 
 from ..drawn_camera import CameraDistribution
 from ..models.model import Model
-from ..representations import event_frame, time_surface, voxel_grid
+from .clip import ClipShape, Representation, WindowedClip, images_at
 from .scenery import Scenery
 
-Representation = Literal["voxel_grid", "time_surface", "event_frame", "events"]
 Sensor = Callable[[int, int, float, np.random.Generator], Model]
 """(width, height, exponent from grey levels to light, random numbers) -> what gives events."""
 
 MOST_WORKERS = 1024
-
-
-@dataclass(frozen=True)
-class Clip:
-    """Of one clip, before it becomes tensors.
-
-    events: of each window, t in us from the window's start. images: (windows, H, W) float32, what was seen
-    at each window's end.
-    """
-
-    events: list[Events]
-    images: NDArray[np.float32]
 
 
 class EventClips(IterableDataset[dict[str, Any]]):
@@ -78,15 +65,7 @@ class EventClips(IterableDataset[dict[str, Any]]):
         seed: int = 0,
     ) -> None:
         super().__init__()
-        for name, value in (("width", width), ("height", height), ("windows", windows), ("bins", bins)):
-            if value < 1:
-                raise ValueError(f"{name} is a whole number from 1, not {value}")
-        if window_us < 1:
-            raise ValueError(f"window_us is a whole number from 1, not {window_us}")
-        if not callable(representation) and representation not in Representation.__args__:  # type: ignore[attr-defined]
-            raise ValueError(f"there is no representation {representation!r}")
-        self.width, self.height, self.windows, self.window_us = width, height, windows, window_us
-        self.representation, self.bins, self.tau_us = representation, bins, tau_us
+        self.shape = ClipShape(width, height, windows, window_us, representation, bins, tau_us)
         self.clips, self.seed = clips, seed
         self._scenery = scenery
         self._sensor: Sensor = camera if _makes(camera) else _drawn_from(camera)  # type: ignore[assignment,arg-type]
@@ -104,73 +83,29 @@ class EventClips(IterableDataset[dict[str, Any]]):
         self._passes[first] += 1
         numbers = count(first, step) if self.clips is None else range(first, self.clips, step)
         for number in numbers:
-            yield self._tensors(self.clip(epoch, number))
+            yield self.shape.tensors(self.clip(epoch, number))
 
-    def clip(self, epoch: int, number: int) -> Clip:
+    def clip(self, epoch: int, number: int) -> WindowedClip:
         """One clip, whoever asks."""
         rng = np.random.default_rng([self.seed, epoch, number])
         of_scenery, of_sensor = rng.spawn(2)
-        span_us = self.windows * self.window_us
-        frames = self._scenery.clip(self.width, self.height, span_us, of_scenery)
-        events: list[Events] = []
-        images: list[NDArray[np.float32]] = []
-        sensor: Model | None = None
-        first_us = 0
-        before: tuple[NDArray[Any], int] | None = None
-        for frame in frames:
-            if sensor is None:
-                sensor, first_us = self._sensor(self.width, self.height, frame.gamma, of_sensor), frame.t_us
-            t_us = frame.t_us - first_us
-            events.append(sensor.advance(frame.image, t_us))
-            while len(images) < self.windows and t_us >= (len(images) + 1) * self.window_us:
-                images.append(_at((len(images) + 1) * self.window_us, before, (frame.image, t_us)))
-            before = frame.image, t_us
-            if len(images) == self.windows:
-                break
-        every = np.concatenate([np.empty(0, EVENT), *events])
-        edges = np.searchsorted(every["t"], self.window_us * np.arange(self.windows + 1))
-        split = [every[a:b].copy() for a, b in pairwise(edges)]
-        for window, each in enumerate(split):
-            each["t"] -= window * self.window_us
-        return Clip(split, np.stack(images))
+        shape = self.shape
+        events = [np.empty(0, EVENT)]
 
-    def represented(self, events: Events) -> Any:
-        """What a window's events become, as an array where it is one."""
-        size = self.width, self.height
-        if callable(self.representation):
-            return self.representation(events)
-        if self.representation == "voxel_grid":
-            return voxel_grid(events, *size, 0, self.window_us, self.bins)
-        if self.representation == "time_surface":
-            return time_surface(events, *size, self.window_us, self.tau_us)
-        if self.representation == "event_frame":
-            return event_frame(events, *size)
-        return np.stack([events[name].astype(np.int64) for name in "txyp"], axis=-1)
+        def simulated() -> Iterator[tuple[NDArray[Any], int]]:
+            """The frames, t_us from the first; their events go into `events`."""
+            sensor: Model | None = None
+            first_us = 0
+            for frame in self._scenery.clip(shape.width, shape.height, shape.span_us, of_scenery):
+                if sensor is None:
+                    sensor = self._sensor(shape.width, shape.height, frame.gamma, of_sensor)
+                    first_us = frame.t_us
+                events.append(sensor.advance(frame.image, frame.t_us - first_us))
+                yield frame.image, frame.t_us - first_us
 
-    def _tensors(self, clip: Clip) -> dict[str, Any]:
-        made = [self.represented(each) for each in clip.events]
-        return {"events": _together(made), "images": torch.from_numpy(clip.images)}
-
-
-def _at(
-    t_us: int, before: tuple[NDArray[Any], int] | None, after: tuple[NDArray[Any], int]
-) -> NDArray[np.float32]:
-    """The image at that time, in a straight line between two frames."""
-    image, later_us = after
-    if before is None or later_us == t_us:
-        return image.astype(np.float32)
-    share = np.float32((t_us - before[1]) / (later_us - before[1]))
-    between = before[0] * (1 - share) + image * share
-    return between.astype(np.float32)
-
-
-def _together(made: list[Any]) -> Any:
-    """One tensor where all are arrays of one shape, else a list."""
-    if not all(isinstance(each, np.ndarray) and each.dtype.names is None for each in made):
-        return made
-    if len({each.shape for each in made}) == 1:
-        return torch.from_numpy(np.stack(made))
-    return [torch.from_numpy(each) for each in made]
+        ends_us = [shape.window_us * (window + 1) for window in range(shape.windows)]
+        images = np.stack(list(images_at(ends_us, simulated())))
+        return shape.cut(np.concatenate(events), images)
 
 
 def _makes(camera: object) -> bool:

@@ -4,15 +4,19 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from voltcam_video import Frame, SourceError, SourceRequest, Upsampling, between, open_source
-from voltcam_video.photos import LAYERS, PhotoFolder, PhotoScene
+from voltcam_video.photos import LAYERS, PhotoFolder, PhotoScene, light_of, smaller
 
 Image = NDArray[np.uint8 | np.float32]
+
+
+LONGEST = 1200  # side of a photograph that is kept [pixels]
+MOST_KEPT = 32  # 4 bytes a pixel each
 
 
 class Scenery(Protocol):
@@ -30,7 +34,8 @@ class Scenery(Protocol):
 class Photographs:
     """A new scene from photographs for each clip, cut at a random place.
 
-    photographs: a folder, or a sequence of what `voltcam_video.photos.light_of` takes. width, height: of the
+    photographs: a folder, of which the latest 32 are kept in memory, or a sequence of what
+    `voltcam_video.photos.light_of` takes. width, height: of the
     scene, which is drawn only where a clip is cut from it. speed_px_s: the range from which its speed is
     drawn, log-uniform. fps: frames a second, between which light is interpolated.
     """
@@ -44,7 +49,7 @@ class Photographs:
 
     def __post_init__(self) -> None:
         if isinstance(self.photographs, str | Path):
-            self.photographs = PhotoFolder(self.photographs)
+            self.photographs = _KeptLight(PhotoFolder(self.photographs), max(LONGEST, 3 * self.width))
         low, high = self.speed_px_s
         if not (0 < low <= high < math.inf):
             raise ValueError(f"speed_px_s takes a low and a high end above 0, not {low:g} and {high:g}")
@@ -76,6 +81,32 @@ class Photographs:
         for step in range(steps + 1):
             t_us = round(step * span_us / steps)
             yield Frame(scene.frame(t_us), t_us)
+
+
+class _KeptLight(Sequence[NDArray[np.float32]]):
+    """The light of photographs, no finer than scenes need it; those of late are kept."""
+
+    def __init__(self, photographs: PhotoFolder, longest: int) -> None:
+        self._photographs, self._longest = photographs, longest
+        self._kept: dict[int, NDArray[np.float32]] = {}
+
+    def __len__(self) -> int:
+        return len(self._photographs)
+
+    @overload
+    def __getitem__(self, index: int) -> NDArray[np.float32]: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[NDArray[np.float32]]: ...
+    def __getitem__(self, index: int | slice) -> NDArray[np.float32] | list[NDArray[np.float32]]:
+        if isinstance(index, slice):
+            return [self[i] for i in range(*index.indices(len(self)))]
+        light = self._kept.pop(index, None)
+        if light is None:
+            light = smaller(light_of(self._photographs[index]), self._longest)
+        self._kept[index] = light
+        if len(self._kept) > MOST_KEPT:
+            del self._kept[next(iter(self._kept))]
+        return light
 
 
 @dataclass

@@ -25,6 +25,7 @@ from .refractory_period import RefractoryPeriod
 from .reset_noise import ResetNoise
 from .residual_drift import ResidualDrift
 from .residual_noise import ResidualNoise
+from .row_scan import RowScan
 from .temperature_drift import TemperatureDrift
 from .threshold_mismatch import ThresholdMismatch
 from .timestamp_quantum import TimestampQuantum
@@ -58,6 +59,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     NoisePairs,
     Crosstalk,
     Latency,
+    RowScan,
     Readout,
     UsbOverflow,
     TimestampQuantum,

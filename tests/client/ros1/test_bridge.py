@@ -19,10 +19,10 @@ from tests.roscore import Ros1, needs_ros1
 from voltcam_client import EventCamera, FrameMessage, Packet
 from voltcam_client.encodings import ENCODINGS, EVENT, Events
 from voltcam_client.formats import read
+from voltcam_client.intrinsics import Intrinsics
 from voltcam_client.packet import TOPIC_EVENTS, TOPIC_FRAMES
 from voltcam_client.ros1 import RosError
 from voltcam_client.ros1.bridge import Bridge, BridgeSettings
-from voltcam_client.ros1.intrinsics import Intrinsics
 from voltcam_client.ros1.names import Names
 from voltcam_client.ros1.node import Node
 from voltcam_client.ros1.xml_rpc import call

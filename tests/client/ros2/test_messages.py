@@ -7,6 +7,7 @@ import pytest
 
 from voltcam_client.encodings import ENCODINGS
 from voltcam_client.formats.ros_messages import register
+from voltcam_client.intrinsics import Intrinsics
 from voltcam_client.packet import EVENT, FrameMessage, Packet
 from voltcam_client.ros2 import Ros2Error, messages
 from voltcam_client.samples import IMU
@@ -63,6 +64,56 @@ def test_events(store: Any, frame_id: str, encoding: str, count: int) -> None:
         events=np.frombuffer(encoded, np.uint8),
     )
     assert messages.event_packet(packet, encoding, encoded) == expected
+
+
+@pytest.mark.parametrize("frame_id", UNALIGNED)
+@pytest.mark.parametrize("count", [0, 1, 2, 77])
+def test_an_array_of_events(store: Any, frame_id: str, count: int) -> None:
+    events = np.zeros(count, EVENT)
+    events["t"], events["x"], events["p"] = T_US + np.arange(count), np.arange(count), np.arange(count) % 2
+    packet = Packet(
+        events=events, width=346, height=260, seq=3, time_base_ns=1000 * T_US, stamp_ns=1, frame_id=frame_id
+    )
+    event, time = store.types["dvs_msgs/msg/Event"], store.types["builtin_interfaces/msg/Time"]
+    expected = serialized(
+        store,
+        "dvs_msgs/msg/EventArray",
+        header=header(store, T_US, frame_id),
+        height=260,
+        width=346,
+        events=[
+            event(x=x, y=y, ts=time(sec=t // 10**6, nanosec=t % 10**6 * 1000), polarity=p)
+            for t, x, y, p in events[["t", "x", "y", "p"]].tolist()
+        ],
+    )
+    assert messages.event_array(packet) == expected
+
+
+@pytest.mark.parametrize("frame_id", UNALIGNED)
+def test_a_calibrated_camera_info(store: Any, frame_id: str) -> None:
+    image = np.zeros((5, 7), np.uint8)
+    frame = FrameMessage(image=image, t_us=T_US, seq=3, stamp_ns=1, frame_id=frame_id)
+    k, p = tuple(np.arange(9.0)), tuple(np.arange(12.0))
+    intrinsics = Intrinsics((7, 5), "equidistant", (0.1, -0.2, 0.0, 1e-3), k, k[::-1], p)
+    region = store.types["sensor_msgs/msg/RegionOfInterest"](
+        x_offset=0, y_offset=0, height=0, width=0, do_rectify=False
+    )
+    expected = serialized(
+        store,
+        "sensor_msgs/msg/CameraInfo",
+        header=header(store, T_US, frame_id),
+        height=5,
+        width=7,
+        distortion_model="equidistant",
+        d=np.array(intrinsics.distortion),
+        k=np.array(intrinsics.k),
+        r=np.array(intrinsics.r),
+        p=np.array(intrinsics.p),
+        binning_x=0,
+        binning_y=0,
+        roi=region,
+    )
+    assert messages.camera_info(frame, intrinsics) == expected
 
 
 @pytest.mark.parametrize("frame_id", UNALIGNED)
@@ -131,5 +182,8 @@ def test_times_without_a_stamp_are_refused(t_us: int) -> None:
     frame = FrameMessage(image=np.zeros((1, 1), np.uint8), t_us=t_us, seq=0, stamp_ns=1)
     with pytest.raises(Ros2Error, match="stamps from 0"):
         messages.image(frame)
+    packet = Packet(events=np.zeros(0, EVENT), width=1, height=1, seq=0, time_base_ns=1000 * t_us, stamp_ns=1)
+    with pytest.raises(Ros2Error, match="stamps from 0"):
+        messages.event_array(packet)
     frame = FrameMessage(image=np.zeros((1, 1), np.uint8), t_us=2**31 * 1_000_000 - 1, seq=0, stamp_ns=1)
     assert messages.image(frame)

@@ -28,7 +28,8 @@ def test_a_stream_is_at_no_distance_from_itself() -> None:
     assert list(row) == list(MEASURES)
     for name, measure in MEASURES.items():
         if measure.best is not None:
-            assert row[name] == pytest.approx(measure.best, abs=1e-12), name
+            within = 1e-4 if name == "nats" else 1e-12  # a fit, on random halves of the events
+            assert row[name] == pytest.approx(measure.best, abs=within), name
 
 
 def test_halves_of_a_poisson_stream_are_as_good_as_the_same() -> None:
@@ -47,7 +48,7 @@ def test_halves_of_a_poisson_stream_are_as_good_as_the_same() -> None:
 def test_too_few_events_are_no_distance() -> None:
     few = poisson(1)[:10]
     row = Yardstick(few, WHOLE, still_light()).distances(few)
-    assert all(np.isnan(row[name]) for name in ("W1", "TV", "TVs", "pair", "AUC"))
+    assert all(np.isnan(row[name]) for name in ("W1", "TV", "TVs", "pair", "AUC", "nats"))
     nothing = Yardstick(few[:0], WHOLE, still_light()).distances(few[:0])
     assert np.isnan(nothing["b4"])
     assert np.isnan(nothing["dispersion"])

@@ -34,10 +34,22 @@ def test_features_are_shares_of_lags_and_steps() -> None:
     lags = row[: 4 * bins].reshape(4, bins)
     assert (lags[:3] == -1).all()  # no OFF: nothing to share
     assert np.flatnonzero(lags[3]).tolist() == [np.searchsorted(LAG_EDGES, np.log10(12_000)) - 1]
-    steps, rows, stamps = np.split(row[4 * bins :], [6, 8])
+    steps, rows, stamps, soon, *of_sensor = np.split(row[4 * bins :], [6, 8, 10, 12, 14, 16])
     assert steps == pytest.approx([0, 11 / 12, 0, 0, 0, 1 / 12])  # one pixel on, and once 11 back
     assert rows.tolist() == [0, 1]
-    assert stamps.tolist() == [1, 0]
+    assert stamps.tolist() == soon.tolist() == [1, 0]
+    assert [share.tolist() for share in of_sensor] == [[1, 0]] * 3
+
+
+def test_what_the_sensor_does_at_one_time_is_seen_in_each_patch() -> None:
+    """Two patches of one row, event for event at one time: within either, no time comes twice."""
+    n = 2 * FEWEST_EVENTS
+    t, x = np.repeat(np.arange(n) * 1000, 2), np.tile([0, 30], n)
+    found = patches(stream(t, x, np.full(2 * n, 3), np.ones(2 * n, bool)), WHOLE)
+    assert found.features.shape[0] == 2
+    for features, second in zip(found.features, (0, 1), strict=True):
+        assert features[-10:-6].tolist() == [1, 0, 1, 0]
+        assert features[-6:].reshape(3, 2)[:, 1].tolist() == [second] * 3
 
 
 def test_places_that_lie_together_are_of_one_fold() -> None:

@@ -30,7 +30,11 @@ def test_the_command_writes_the_page_and_its_figures(
         models = {"exact": partial(MODELS["exact"], WIDTH, HEIGHT, TRUTH, 5)}
         return scene_of(recording.frames, recording.frame_t_us, "cubic"), models, ["esim: no"]
 
+    def later(_: Inspection, name: str, *__: object) -> object:
+        raise ValueError(f"{name} has too few frames")
+
     monkeypatch.setattr(cli_evaluate, "contenders", found)
+    monkeypatch.setattr(cli_evaluate, "later_part", later)
     monkeypatch.setattr(page, "HeldImage", partial(HeldImage, 16, 48, 4.0))
     parser = ArgumentParser()
     cli_evaluate.configure(parser)
@@ -39,6 +43,7 @@ def test_the_command_writes_the_page_and_its_figures(
     assert "W1: exact is closest" in capsys.readouterr().out
     text = (tmp_path / "docs" / "evaluation.md").read_text(encoding="utf-8")
     assert "waves: esim: no" in text
+    assert "the later part was not judged: waves has too few frames" in text
     assert "| exact |" in text
     images = [part.split(")")[0] for part in text.split("](")[1:]]
     assert len(images) == 7

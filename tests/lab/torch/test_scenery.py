@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
@@ -60,6 +61,19 @@ def test_what_is_too_small_or_too_short_is_named(video: Path) -> None:
         list(Videos([video]).clip(64, 6, SPAN_US, rng))
     with pytest.raises(SourceError, match="shorter than a clip of 2 s"):
         list(Videos([video]).clip(8, 6, 2_000_000, rng))
+
+
+def test_a_folder_s_photographs_are_read_once(tmp_path: Path) -> None:
+    for name in "abc":
+        cv2.imwrite(str(tmp_path / f"{name}.png"), np.full((20, 30), 90, np.uint8))
+    scenery = Photographs(tmp_path, 32, 24)
+    first = [frame.image for frame in scenery.clip(8, 6, 20_000, np.random.default_rng(1))]
+    for _ in range(10):  # by now all have been looked at
+        list(scenery.clip(8, 6, 1_000, np.random.default_rng(2)))
+    for path in tmp_path.iterdir():
+        path.unlink()
+    again = [frame.image for frame in scenery.clip(8, 6, 20_000, np.random.default_rng(1))]
+    assert all(map(np.array_equal, first, again))
 
 
 def test_speeds_are_drawn_from_their_range() -> None:

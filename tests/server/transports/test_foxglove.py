@@ -204,5 +204,7 @@ def test_without_the_library_it_says_how_to_have_it(monkeypatch: pytest.MonkeyPa
 def test_a_daemon_shows_itself_in_status() -> None:
     with Daemon("--dv", "off", "--foxglove", "127.0.0.1:0") as daemon:
         address = daemon.get("status")["transports"]["foxglove"]["address"]
+        assert f"Foxglove  {address}  (in Foxglove: " in daemon.banner
+        address = daemon.get("status")["transports"]["foxglove"]["address"]
         with connect(address, subprotocols=["foxglove.sdk.v1"], proxy=None) as client:
             assert json.loads(client.recv(PATIENCE_S))["name"] == "voltcam davis346"

@@ -14,6 +14,7 @@ pytest.importorskip("cyclonedds", reason="cyclonedds is in the extra [ros2]")
 from tests.ros2 import DOMAIN, Reader, own_namespace
 
 from voltcam_client.encodings import ENCODINGS
+from voltcam_client.intrinsics import Intrinsics
 from voltcam_client.packet import EVENT, TOPIC_EVENTS, TOPIC_FRAMES, FrameMessage, Packet
 from voltcam_client.samples import IMU, TOPIC_IMU, TOPIC_TRIGGERS, TRIGGER, SamplesMessage
 from voltcam_server.messages import events_message, frame_message, samples_message, status_message
@@ -24,6 +25,15 @@ from voltcam_server.transports import ros2 as ros2_module
 from ..rig import Daemon, until, voltcam
 
 START_US = 1_700_000_000_000_000
+CALIBRATION = """\
+image_width: 40
+image_height: 30
+distortion_model: plumb_bob
+distortion_coefficients: {data: [0, 0, 0, 0, 0]}
+camera_matrix: {data: [1, 0, 0, 0, 1, 0, 0, 0, 1]}
+rectification_matrix: {data: [1, 0, 0, 0, 1, 0, 0, 0, 1]}
+projection_matrix: {data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]}
+"""
 LARGEST = {TOPIC_EVENTS: 65536, TOPIC_FRAMES: 346 * 260, TOPIC_IMU: 400}
 
 
@@ -91,6 +101,66 @@ def test_every_event_is_read(encoding: str, reliability: str, tmp_path: Path) ->
         assert message["header_"]["frame_id_"] == "davis"
         stamp = message["header_"]["stamp_"]
         assert stamp["sec_"] * 10**9 + stamp["nanosec_"] == sent.time_base_ns == message["time_base_"]
+
+
+def test_every_event_of_an_array_is_read(tmp_path: Path) -> None:
+    transport = Ros2Transport(own_namespace(), "libcaer", LARGEST, "array")
+    packets = [packet(seq, 37 * seq % 300) for seq in range(5)]
+    topic = f"{transport.namespace}/events"
+    with Reader(topic, "EventArray", len(packets), tmp_path / "out") as reader:
+        transport.start()
+        assert reader.says() == "found"
+        until(lambda: wanted(transport, TOPIC_EVENTS), "found here, too")
+        for each in packets:
+            transport.publish(events_message(each))
+        messages = reader.messages()
+    transport.stop()
+    for message, sent in zip(messages, packets, strict=True):
+        stamp = message["header_"]["stamp_"]
+        assert stamp["sec_"] * 10**9 + stamp["nanosec_"] == sent.time_base_ns
+        assert (message["width_"], message["height_"]) == (346, 260)
+        events = [
+            (1_000_000 * each["ts_"]["sec_"] + each["ts_"]["nanosec_"] // 1000, each["x_"], each["y_"],
+             each["polarity_"])
+            for each in message["events_"] or ()
+        ]  # fmt: skip
+        assert events == sent.events[["t", "x", "y", "p"]].tolist()
+
+
+def test_a_calibration_is_in_camera_info(tmp_path: Path) -> None:
+    k, p = tuple(np.arange(9.0)), tuple(np.arange(12.0))
+    intrinsics = Intrinsics((346, 260), "plumb_bob", (0.1, -0.2, 0.0, 1e-3, 0.5), k, k[::-1], p)
+    transport = Ros2Transport(own_namespace(), "libcaer", LARGEST, intrinsics=intrinsics)
+    with Reader(f"{transport.namespace}/camera_info", "CameraInfo", 1, tmp_path / "infos") as infos:
+        transport.start()
+        assert infos.says() == "found"
+        writer = transport._topics[TOPIC_FRAMES][1][0]
+        until(lambda: writer.wanted, "found here, too")
+        image = np.zeros((260, 346), np.uint8)
+        transport.publish(frame_message(FrameMessage(image=image, t_us=START_US, seq=0, stamp_ns=1)))
+        (info,) = infos.messages()
+    transport.stop()
+    assert (info["width_"], info["height_"], info["distortion_model_"]) == (346, 260, "plumb_bob")
+    found = [tuple(info[f"{name}_"]) for name in "dkrp"]
+    assert found == [intrinsics.distortion, intrinsics.k, intrinsics.r, intrinsics.p]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [(None, "cannot be read: No such file"), ("a: 1", "is no camera_info file"), (CALIBRATION, "40 x 30")],
+)
+def test_a_calibration_that_cannot_be_is_one_line(text: str | None, words: str, tmp_path: Path) -> None:
+    file = tmp_path / "davis.yaml"
+    if text is not None:
+        file.write_text(text)
+    done = voltcam(
+        "serve", "--http", "127.0.0.1:0", "--zmq", "tcp://127.0.0.1:0", "--dv", "off",
+        "--ros2", own_namespace(), "--camera-info", str(file),
+    )  # fmt: skip
+    assert done.returncode == 1
+    assert words in done.stderr
+    assert str(file) in done.stderr
+    assert done.stderr.count("\n") == 1
 
 
 def test_frames_and_their_camera_info(transport: Ros2Transport, tmp_path: Path) -> None:
@@ -196,7 +266,7 @@ def test_a_domain_that_is_none_is_refused(monkeypatch: pytest.MonkeyPatch) -> No
 def test_the_daemon_publishes_where_it_says(tmp_path: Path) -> None:
     namespace = own_namespace()
     with Daemon("--dv", "off", "--ros2", namespace, "--imu", "100") as daemon:
-        assert f"ROS 2   /{namespace}/events" in daemon.banner
+        assert f"ROS 2     /{namespace}/events" in daemon.banner
         assert daemon.get("camera")["ros2"] == f"/{namespace}"
         assert daemon.get("status")["transports"]["ros2"]["address"] == f"/{namespace}, domain {DOMAIN}"
         with (

@@ -227,6 +227,7 @@ def test_a_daemon_sends_to_faery(tmp_path: Path) -> None:
     with Reading("faery", 5000, (WIDTH, HEIGHT), tmp_path / "events.npy") as reading:
         url = f"t32_x16_y15_on1://127.0.0.1:{reading.port}"
         with Daemon("--dv", "off", "--udp", url) as daemon:
+            assert f"UDP       {url}  (events are sent there" in daemon.banner
             result = reading.result()
             status = daemon.get("status")["transports"]["udp"]
     assert result.size >= 5000

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from voltcam_video.photos import light_of
+from voltcam_video.photos import light_of, smaller
 
 # IEC 61966-2-1: (c / 12.92) up to 0.04045, ((c + 0.055) / 1.055) ** 2.4 above
 GREYS = {0: 0.0, 10: 255 * (10 / 255) / 12.92, 188: 255 * ((188 / 255 + 0.055) / 1.055) ** 2.4, 255: 255.0}
@@ -24,6 +24,15 @@ def test_colours_add_as_light_does() -> None:
 def test_an_alpha_channel_is_ignored_and_floats_are_light() -> None:
     grey = np.full((2, 2, 4), (100.0, 100.0, 100.0, 3.0), np.float32)
     np.testing.assert_allclose(light_of(grey), np.full((2, 2), 100.0), rtol=1e-6)
+
+
+def test_smaller_ones_average_areas_by_a_whole_factor() -> None:
+    light = np.arange(7 * 9, dtype=np.float32).reshape(7, 9)
+    made = smaller(light, 4)
+    assert made.shape == (2, 3)
+    np.testing.assert_allclose(made[1, 2], light[3:6, 6:9].mean())
+    np.testing.assert_array_equal(smaller(light, 9), light)
+    assert smaller(np.ones((1, 50), np.float32), 10).shape == (1, 10)
 
 
 @pytest.mark.parametrize(

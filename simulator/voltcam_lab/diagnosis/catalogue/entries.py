@@ -5,6 +5,7 @@ from math import log
 
 from voltcam_simulator import Parameters
 
+from ...health.token_scan import find_token_scan
 from . import aps_coupling, flicker
 from .candidate import Candidate
 from .clues import Clues
@@ -45,6 +46,15 @@ def _warmings(clues: Clues) -> tuple[Candidate, ...]:
 def _overflows(clues: Clues) -> tuple[Candidate, ...]:
     tried, others = sizes(0.4 * clues.peak_rate_per_s), {"buffer_events": 64}
     return (Candidate("usb_overflow", ("max_rate_events_per_s",), tried, others, growth="weaker"),)
+
+
+def _token_scans(clues: Clues) -> tuple[Candidate, ...]:
+    """Only where stamps show one: a round of a wrong time explains nothing."""
+    token = find_token_scan(clues.events, clues.setting.scene.height)
+    if token is None:
+        return ()
+    others = {"share": token.share, "episode_us": max(token.episode_us, 100.0)}
+    return (Candidate("row_scan", ("round_us",), sizes(token.round_us), others),)
 
 
 ENTRIES: tuple[Entry, ...] = (
@@ -131,6 +141,7 @@ ENTRIES: tuple[Entry, ...] = (
         _overflows,
         acts_across_columns=lambda parameters: parameters.usb_overflow.active,
     ),
+    Entry("row_scan", FAST_THEN_SLOW, _token_scans),
     Entry("crosstalk", STILL_SCENE, lambda clues: (Candidate("crosstalk", ("coupling",), sizes(0.05)),)),
     Entry("noise_pairs", STILL_SCENE, lambda clues: (Candidate("noise_pairs", ("rate_hz",), sizes(2)),)),
     Entry(

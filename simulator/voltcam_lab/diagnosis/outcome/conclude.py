@@ -7,10 +7,12 @@ import numpy as np
 
 from voltcam_simulator import Camera
 
+from ...dependence.words import sentence as kind_in_words
 from ...statistics import COUNTS, LABELS
 from ..catalogue.candidate import Candidate
 from ..catalogue.entries import in_words, next_recording
 from ..rig.clock import counted_from
+from ..rig.whole import NOTICEABLE
 from ..search.hypothesis import BASE
 from ..search.identify import Identifiability
 from ..search.loop import Diagnosis, Found
@@ -19,6 +21,7 @@ from ..search.settings_proof import Reporting
 from ..search.state import Search
 from ..session import Session
 from .result import (
+    Dependence,
     Detectable,
     DiagnosisSettings,
     FoundEffect,
@@ -26,6 +29,7 @@ from .result import (
     Identifiable,
     IntervalEstimate,
     Known,
+    Remains,
     Residual,
     Result,
     Seeds,
@@ -46,6 +50,7 @@ def result_of(
         verdict=diagnosis.verdict,
         sentence=(
             sentence(diagnosis, first, last, settings)
+            + _by_kind(diagnosis)
             + _far_from_file(diagnosis, settings)
             + _taken_out(session)
         ),
@@ -54,6 +59,7 @@ def result_of(
         where=_strata(ranked(first, search.data), settings.reporting),
         where_after=_strata(ranked(last, search.data), settings.reporting),
         gap=Gap(before=first.held_out, after=last.held_out, floor=last.floor),
+        remains=_remains(diagnosis),
         identifiability=Identifiable(
             base=[
                 Known(name=f"{one.effect}.{one.name}", fixed=one.answer, sd=one.sd, mixed_with=one.mixed_with)
@@ -107,6 +113,29 @@ def sentence(diagnosis: Diagnosis, first: View, last: View, settings: SearchSett
         for one in diagnosis.steps[0].trials[:1]
     )
     return f"Something is missing, and nothing in the catalogue explains it: {gap}{chance}.{near}{form}"
+
+
+def _remains(diagnosis: Diagnosis) -> Remains | None:
+    if (found := diagnosis.remains) is None:
+        return None
+    kinds = [
+        Dependence(
+            kind=step.covariate.kind,
+            covariate=step.covariate.name,
+            nats=step.gain,
+            sentence=kind_in_words(step),
+        )
+        for step in found.telling
+    ]
+    return Remains(nats=found.noticed, floor=found.floor, noticeable=NOTICEABLE, kinds=kinds)
+
+
+def _by_kind(diagnosis: Diagnosis) -> str:
+    """What is left that matters, by its kind."""
+    found = diagnosis.remains
+    if found is None or not found.noticeable or not found.telling:
+        return ""
+    return f" What is left by kind: {kind_in_words(found.telling[0])}"
 
 
 def _far_from_file(diagnosis: Diagnosis, settings: SearchSettings) -> str:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from markupsafe import Markup
 
+from ...pages.dependence import functions
 from ...pages.page import figure, render, table
 from ...statistics import COUNTS, LABELS, Setting, Values
 from ..catalogue.entries import in_words
@@ -44,6 +45,7 @@ def page_of(
         advice=[one for one in result.effects if one.next_recording],
         tested=_tested(diagnosis.steps[-1]),
         overview=_overview(search.data, models),
+        remains=_remains(diagnosis),
         figures=[
             *_from_statistics(session.rig.setting, search.data, models),
             *_from_events(session, search, models),
@@ -68,6 +70,17 @@ def _cards(result: Result) -> list[tuple[str, str, str]]:
         least = max(one.p_value for one in result.effects)
         cards += [(_small(least), "p", "of such a gain by chance, over the whole catalogue")]
     return cards
+
+
+def _remains(diagnosis: Diagnosis) -> Markup | None:
+    """What still tells the recording from simulated ones, over all pixels; None where nothing does."""
+    if diagnosis.remains is None or not diagnosis.remains.telling:
+        return None
+    caption = (
+        "How many more events the camera has than the model, light allowed for: 0 is as many. Each panel is"
+        " beside those before it; millinats an event, on stretches of time that had no part in the fit."
+    )
+    return figure(functions(diagnosis.remains.telling), caption)
 
 
 def _gaps(diagnosis: Diagnosis) -> Markup:

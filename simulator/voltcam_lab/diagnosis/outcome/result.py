@@ -68,6 +68,24 @@ class Gap(_Record):
     floor: float
 
 
+class Dependence(_Record):
+    """On what the firing of real pixels depends that the model's does not."""
+
+    kind: str = Field(description="own past, neighbours, row, column, bus, clock or slow time")
+    covariate: str
+    nats: float = Field(description="nats an event that it tells, held out, beside those before it")
+    sentence: str
+
+
+class Remains(_Record):
+    """By what, over all pixels, the recording can be told from simulated ones of the model in the end."""
+
+    nats: float = Field(description="nats an event, beyond what the light between frames leaves open")
+    floor: float = Field(description="nats an event that the light leaves open")
+    noticeable: float = Field(description="from how many on it matters")
+    kinds: list[Dependence] = Field(description="those that matter, the most telling first")
+
+
 class Known(_Record):
     """A base parameter, and what the recording can tell of it. sd: of its logarithm."""
 
@@ -136,6 +154,7 @@ class Result(_Record):
     where: list[Stratum] = Field(description="where the fitted camera file disagrees, worst first")
     where_after: list[Stratum] = Field(description="the same with the effects added")
     gap: Gap
+    remains: Remains | None
     identifiability: Identifiable
     seeds: Seeds
     versions: Versions

@@ -19,6 +19,8 @@ class RecordingSettings:
     """Events, of more only strips. Convention: time."""
     most_steps: int = 15_000_000
     """Pixels times steps that effects of the camera file ask the simulator for. Convention: time."""
+    most_whole_samples: int = 12_000_000
+    """Pixels times frames of the whole sensor; of more only its beginning. Convention: half a GB of light."""
     narrowest_strip: int = 6
     """Columns of each of the two strips, at least. Convention: neighbours within."""
     compared_frames: int = 50

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..catalogue.candidate import Candidate
+from ..rig.whole import NOTICEABLE, Remains
 from .fit import fitted_by_simulation
 from .hypothesis import Hypothesis
 from .precise import precise
@@ -49,7 +50,8 @@ class Diagnosis:
 
     covariance: (k, k) of the shift of the last step's hypothesis, whose effects are found; None where none
     are. residual: a term of unknown mechanism, in the hypothesis, for part of a gap that no listed effect
-    explains.
+    explains. remains: by what the recording can still be told from the hypothesis, on the whole sensor; None
+    where that was not looked at.
     """
 
     verdict: Verdict
@@ -58,6 +60,7 @@ class Diagnosis:
     steps: tuple[SearchStep, ...]
     covariance: NDArray[np.float64] | None = None
     residual: ResidualTerm | None = None
+    remains: Remains | None = None
 
     def after(self, one: Found) -> SearchStep:
         """The step with this effect in the hypothesis; others may have come and gone since."""
@@ -75,6 +78,8 @@ def diagnose(search: Search, hypothesis: Hypothesis) -> Diagnosis:
     found: list[Found] = []
     open_step: SearchStep | None = None
     while len(found) < settings.most_effects and (trial := best_to_add(settings, step)):
+        if found and not _noticeable(_remains(search, step.hypothesis)):
+            break
         chain = _explained(search, [*steps], trial, settings.longest_chain)
         if chain is None:
             break
@@ -90,7 +95,8 @@ def diagnose(search: Search, hypothesis: Hypothesis) -> Diagnosis:
         step = steps[-1]
     kept, covariance, residual = _needed(search, found, step.hypothesis), None, None
     hypothesis = step.hypothesis
-    unexplained = step.excess > settings.unexplained
+    remains = _remains(search, hypothesis)
+    unexplained = step.excess > settings.unexplained and _noticeable(remains)
     verdict: Verdict = "effects" if kept else "unknown" if unexplained else "none"
     if kept:
         sure = precise(search.rig, step.hypothesis, step.screen.spread, settings, search.data)
@@ -99,7 +105,25 @@ def diagnose(search: Search, hypothesis: Hypothesis) -> Diagnosis:
         residual = _residual(search, step, open_step)
     if residual is not None:
         hypothesis = residual.hypothesis
-    return Diagnosis(verdict, tuple(kept), hypothesis, tuple(steps), covariance, residual)
+    return Diagnosis(verdict, tuple(kept), hypothesis, tuple(steps), covariance, residual, remains)
+
+
+def _remains(search: Search, hypothesis: Hypothesis) -> Remains | None:
+    """By what the recording can be told from a hypothesis, on the whole sensor."""
+    if search.sensor is None:
+        return None
+    search.say("Telling the recording from simulated ones, by all pixels.")
+    remains = search.sensor.remains(hypothesis.parameters())
+    search.say(
+        f"{1000 * remains.noticed:.1f} millinats an event tell them apart, beyond what the light leaves open"
+        f" ({1000 * NOTICEABLE:.0f} would be noticed)."
+    )
+    return remains
+
+
+def _noticeable(remains: Remains | None) -> bool:
+    """Without a look at all pixels, whatever statistics say is taken to matter."""
+    return remains is None or remains.noticeable
 
 
 def _explained(

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from voltcam_client import VoltcamError
-from voltcam_client.ros1.intrinsics import read_intrinsics
+from voltcam_client.intrinsics import read_intrinsics
 
 FILE = """\
 image_width: 346

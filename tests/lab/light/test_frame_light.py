@@ -9,6 +9,7 @@ from tests.lab.distances.made import WHOLE, still_light
 from voltcam_lab.distances import (
     FrameLight,
 )
+from voltcam_lab.distances.counts import still_seconds
 
 
 @pytest.fixture
@@ -41,6 +42,6 @@ def test_still_seconds_are_still_pixels_times_live_time() -> None:
     period_us = int(light.t_us[1])
     live_s = np.full(10, period_us * 1e-6)
     live_s[0] -= 0.08
-    assert light.still_seconds(region) == pytest.approx(light.still.sum(axis=(1, 2)) * live_s)
+    assert still_seconds(region, light) == pytest.approx(light.still.sum(axis=(1, 2)) * live_s)
     assert not light.still[4:6, :, :10].any()
     assert light.still[:, :, 40:].all()

@@ -6,9 +6,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..light.grey import USUAL_DARK_DN
-from ..light.still import still_pairs
-from .region import Region
+from .grey import USUAL_DARK_DN
+from .still import still_pairs
 
 Array = NDArray[np.float64]
 
@@ -30,12 +29,16 @@ class FrameLight:
         before, after = self._around(t_us, x, y)
         return (before + after) / 2
 
-    def speed(self, t_us: NDArray[np.int64], x: NDArray[np.uint16], y: NDArray[np.uint16]) -> Array:
-        """|d ln L / dt| [1/s] between the frames before and after."""
+    def change(self, t_us: NDArray[np.int64], x: NDArray[np.uint16], y: NDArray[np.uint16]) -> Array:
+        """d ln L / dt [1/s] between the frames before and after."""
         before, after = self._around(t_us, x, y)
         span_s = np.diff(self.t_us)[self.interval_of(t_us)] / 1e6
-        change: Array = np.abs(np.log((after + USUAL_DARK_DN) / (before + USUAL_DARK_DN))) / span_s
+        change: Array = np.log((after + USUAL_DARK_DN) / (before + USUAL_DARK_DN)) / span_s
         return change
+
+    def speed(self, t_us: NDArray[np.int64], x: NDArray[np.uint16], y: NDArray[np.uint16]) -> Array:
+        """|d ln L / dt| [1/s] between the frames before and after."""
+        return np.abs(self.change(t_us, x, y))
 
     def _around(
         self, t_us: NDArray[np.int64], x: NDArray[np.uint16], y: NDArray[np.uint16]
@@ -48,9 +51,3 @@ class FrameLight:
     def still(self) -> NDArray[np.bool_]:
         """(N - 1, H, W): as `light.still.still_pairs`."""
         return still_pairs(self.images, self.t_us)
-
-    def still_seconds(self, region: Region) -> Array:
-        """(N - 1,): between each two frames, pixels of the region in still light times live seconds."""
-        pixels = np.count_nonzero(self.still & region.pixels, axis=(1, 2))
-        seconds: Array = pixels * region.live_in(self.t_us) / 1e6
-        return seconds

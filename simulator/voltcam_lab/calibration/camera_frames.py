@@ -1,0 +1,122 @@
+"""What the camera's own frames do to its events: exposure and readout of rows, fitted by simulation.
+
+This needs stamps and polarities only: how many events come at each phase of the frame, row by row.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from voltcam_simulator import Parameters
+from voltcam_simulator.effect import Events
+
+from ..health import Inspection
+from ..health.exposure_times import exposure_times
+from ..light.scene import Scene
+from ..models.model import MODELS, simulate
+from ..recordings import Footage
+
+PHASE_US = 400.0  # about an exposure: when within it events leave is the bus's affair
+BANDS = 6  # of rows, which tell a scan from what is everywhere at once
+FIRST = (0.02, 0.06, 0.18, -0.02, -0.06, -0.18)  # kicks, in nominal thresholds
+FACTORS = (1.6, 1.2)  # by which the best is made larger and smaller
+WORTH_IT = 0.1  # of the excess over chance that a kick must take away to be kept
+NO_ROWS_US = 0.01  # time of a row where no scan is seen: all at once
+DEFAULT_EXPOSURE_US = 500.0
+KICKS = ("exposure_kick", "reset_kick", "readout_kick")
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseGoal:
+    """The recording's events by polarity, band of rows and phase of the frame."""
+
+    period_us: float
+    origin_us: float
+    height: int
+    counts: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, footage: Footage) -> "PhaseGoal":
+        """Of a recording."""
+        t_us = footage.frame_t_us
+        period_us = float(t_us[-1] - t_us[0]) / (len(t_us) - 1)
+        empty = cls(period_us, float(t_us[0]), footage.height, np.zeros(0))
+        return cls(period_us, float(t_us[0]), footage.height, empty.counted(footage.events))
+
+    def counted(self, events: Events) -> NDArray[np.float64]:
+        """(2 x BANDS x phases,)."""
+        phases = max(8, int(self.period_us / PHASE_US))
+        phase = ((events["t"] - self.origin_us) % self.period_us) / self.period_us
+        band = events["y"].astype(np.int64) * BANDS // self.height
+        cell = (events["p"] * BANDS + band) * phases + np.minimum(
+            (phase * phases).astype(np.int64), phases - 1
+        )
+        return np.bincount(cell, minlength=2 * BANDS * phases).astype(np.float64)
+
+    def excess(self, events: Events) -> float:
+        """Squared difference of the roots of the counts, four times, less what chance alone makes of it:
+        about 0 where the frames' phase tells nothing apart. Each polarity and band by shares, so that the
+        scene's own numbers do not count."""
+        real = self.counts.reshape(2 * BANDS, -1)
+        other = self.counted(events).reshape(2 * BANDS, -1)
+        other = other * (real.sum(axis=1) / np.maximum(other.sum(axis=1), 1.0))[:, None]
+        return float(4 * np.sum((np.sqrt(other + 0.375) - np.sqrt(real + 0.375)) ** 2)) - 2 * real.size
+
+
+def with_frames_of(
+    inspection: Inspection, scene: Scene, footage: Footage, parameters: Parameters, seed: int,
+    report: Callable[[str], None] = lambda step: None,
+) -> tuple[Parameters, str | None]:  # fmt: skip
+    """The parameters with `aps_coupling` as the recording shows it, and what was found, in words; as they are
+    and None where events do not come with the frames.
+
+    footage, scene: of all rows of the sensor, and of the same time. Kick after kick is tried, made larger and
+    smaller, and kept where it takes away a tenth of what the phase of the frame tells apart.
+    """
+    if not inspection.bursts:
+        return parameters, None
+    goal, times = PhaseGoal.of(footage), _times(inspection, footage, parameters)
+
+    def excess(kicks: Mapping[str, float]) -> float:
+        report("frames")
+        changed = parameters.changed({"aps_coupling": {**times, **kicks}})
+        return goal.excess(simulate(MODELS["exact"](footage.width, footage.height, changed, seed), scene))
+
+    kicks: dict[str, float] = dict.fromkeys(KICKS, 0.0)
+    least = before = excess(kicks)
+    for name in KICKS if inspection.row_time_us is not None else KICKS[:1]:
+        best, size = min((excess({**kicks, name: size}), size) for size in FIRST)
+        if best < least - WORTH_IT * max(before, 0.0):
+            kicks[name], least = size, best
+    for factor in FACTORS:
+        for name, size in kicks.items():
+            tried = [(excess({**kicks, name: size * by}), size * by) for by in (factor, 1 / factor) if size]
+            if tried and min(tried)[0] < least:
+                least, kicks[name] = min(tried)
+    if least >= before:
+        return parameters, None
+    said = ", ".join(f"{name} {size:+.3g}" for name, size in kicks.items() if size)
+    words = (
+        f"the camera's frames make events: {said}; they leave {max(least, 0) / before:.0%} of what they do"
+    )
+    return parameters.changed(
+        {"aps_coupling": {**times, **{k: round(v, 4) for k, v in kicks.items()}}}
+    ), words
+
+
+def _times(inspection: Inspection, footage: Footage, parameters: Parameters) -> dict[str, Any]:
+    """When frames are taken, on the pixels' clock: events are late by the camera's own delay."""
+    t_us = footage.frame_t_us
+    row_us = abs(inspection.row_time_us or NO_ROWS_US)
+    begin_us, told_us = exposure_times(footage.events, t_us, footage.exposure_us, row_us)
+    period_us = float(t_us[-1] - t_us[0]) / (len(t_us) - 1)
+    begin_us -= parameters.latency.delay_us + footage.height * row_us
+    return {
+        "frame_period_us": round(period_us, 3),
+        "exposure_us": round(DEFAULT_EXPOSURE_US if told_us is None else told_us, 1),
+        "row_us": round(row_us, 3),
+        "offset_us": round(begin_us % period_us, 1),
+    }

@@ -1,0 +1,106 @@
+"""The whole sensor, simulated on the light that its frames may have been taken of."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from voltcam_simulator import EVENT, Parameters, Simulator
+from voltcam_simulator.effect import Events
+
+from ...dependence.covariates import Look
+from ...dependence.told_apart import STEPS, Step, ToldApart, told_apart
+from ...distances import FrameLight
+from ...light.scene import Scene
+from ...recordings import Footage
+from ..catalogue.entries import lead_in_us
+from .lights import light_behind
+from .settings import RigSettings
+
+SEEDS = 1 << 19  # of these runs, away from those of the search
+COMPARED = 2  # versions of the light that are held against the others, for what the light leaves open
+NOTICEABLE = 3 / 1000
+"""Nats an event: who sees a thousand events is 20 times (3 nats) surer than before. Less, nobody notices."""
+
+
+@dataclass(frozen=True, eq=False)
+class Remains:
+    """What tells the recording from simulated runs, and what tells runs on one version of the light from runs
+    on the others: so much is the light's, not the camera's."""
+
+    told: ToldApart
+    by_light: tuple[ToldApart, ...]
+
+    @property
+    def floor(self) -> float:
+        """Nats an event that the light leaves open."""
+        return float(np.mean([one.total for one in self.by_light]))
+
+    @property
+    def noticed(self) -> float:
+        """Nats an event beyond that by which anybody could tell the recording from a simulated one."""
+        return self.told.total - self.floor
+
+    @property
+    def noticeable(self) -> bool:
+        """Whether that is enough to matter; where too few events tell, it may be."""
+        return not self.noticed <= NOTICEABLE
+
+    @property
+    def telling(self) -> tuple[Step, ...]:
+        """The steps that matter by themselves."""
+        return tuple(step for step in self.told.steps if step.gain > NOTICEABLE)
+
+
+@dataclass(frozen=True, eq=False)
+class WholeSensor:
+    """A recording of all columns, on the clock of the diagnosis, and its light, made when asked for."""
+
+    footage: Footage
+    light: Callable[[], Scene]
+    settings: RigSettings
+    seed: int = 0
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The light of the frames and between them."""
+        return self.light()
+
+    @cached_property
+    def _known(self) -> NDArray[np.bool_]:
+        return self.scene.trusted()
+
+    def remains(self, parameters: Parameters, steps: int = STEPS) -> Remains:
+        """By what the recording can still be told from a camera with these parameters."""
+        runs = [self.events(parameters, version) for version in range(len(self.settings.lights))]
+        real, footage = self.footage.events, self.footage
+        look = Look.at(real, footage.width, footage.height, FrameLight(footage.frames, footage.frame_t_us))
+        by_light = [
+            told_apart(runs[k], [*runs[:k], *runs[k + 1 :]], look, self.judged, steps)
+            for k in range(COMPARED)
+        ]
+        return Remains(told_apart(real, runs, look, self.judged, steps), tuple(by_light))
+
+    def events(self, parameters: Parameters, version: int) -> Events:
+        """One run, on a version of the light."""
+        scene = self.scene
+        simulator = Simulator(scene.width, scene.height, parameters, seed=SEEDS + version + self.seed)
+        found = [np.empty(0, EVENT)]
+        for image, t_us in light_behind(scene, version, self.settings):
+            if len(found) == 1:
+                simulator.advance(image, t_us - max(self.settings.lead_in_us, lead_in_us(parameters)))
+            found.append(simulator.advance(image, t_us))
+        events = np.concatenate(found)
+        kept: Events = events[events["t"] >= scene.t_us[0]]
+        return kept  # as of the recording, nothing is known of before
+
+    def judged(self, events: Events) -> NDArray[np.bool_]:
+        """(n,): whether an event comes where the light is known well enough (`Scene.trusted`)."""
+        scene = self.scene
+        gap = np.searchsorted(scene.taken_us, events["t"], side="right") - 1
+        inside = (gap >= 0) & (gap < len(scene.taken_us) - 1)
+        pixel = events["y"].astype(np.int64) * scene.width + events["x"]
+        known: NDArray[np.bool_] = self._known[np.clip(gap, 0, len(self._known) - 1), pixel]
+        return inside & known
