@@ -47,14 +47,18 @@ class PhaseGoal:
         return cls(period_us, float(t_us[0]), footage.height, empty.counted(footage.events))
 
     def counted(self, events: Events) -> NDArray[np.float64]:
-        """(2 x BANDS x phases,)."""
+        """(2 x BANDS x phases,). An event between two phases counts for both in part, so that a burst at
+        the edge of one may come a little sooner or later."""
         phases = max(8, int(self.period_us / PHASE_US))
-        phase = ((events["t"] - self.origin_us) % self.period_us) / self.period_us
+        place = ((events["t"] - self.origin_us) % self.period_us) / self.period_us * phases
         band = events["y"].astype(np.int64) * BANDS // self.height
-        cell = (events["p"] * BANDS + band) * phases + np.minimum(
-            (phase * phases).astype(np.int64), phases - 1
+        first = (events["p"] * BANDS + band) * phases
+        before = np.minimum(place.astype(np.int64), phases - 1)
+        size, share = 2 * BANDS * phases, place - before
+        counts = np.bincount(first + before, 1 - share, size) + np.bincount(
+            first + (before + 1) % phases, share, size
         )
-        return np.bincount(cell, minlength=2 * BANDS * phases).astype(np.float64)
+        return np.asarray(counts, np.float64)
 
     def excess(self, events: Events) -> float:
         """Squared difference of the roots of the counts, four times, less what chance alone makes of it:

@@ -14,8 +14,9 @@ def exposure_times(
 ) -> tuple[float, float | None]:
     """(begin of some exposure [us], length [us]; None where events do not tell it).
 
-    exposure_us: (N, 2), where the file says it. ON events crowd in the frame's phase at the begin, OFF events
-    at the end: at once or row after row (row_us), whichever crowd is sharper.
+    exposure_us: (N, 2), where the file says it. Events of one polarity crowd in the frame's phase at the
+    begin, those of the other at the end, less than half a period later. OFF events do so at once or row
+    after row (row_us), whichever crowd is sharper.
     """
     if exposure_us is not None:
         return float(exposure_us[0, 0]), float(np.median(exposure_us[:, 1] - exposure_us[:, 0]))
@@ -27,7 +28,9 @@ def exposure_times(
         (_crowd(off_us - per_row_us * row, period_us) for per_row_us in (0.0, row_us)), key=lambda one: one[1]
     )
     length_us = (end - begin) % 1.0 * period_us
-    told = SHORTEST_US < length_us < period_us / 2
+    if length_us > period_us / 2:  # a line that goes down for the exposure: OFF events come first
+        begin, length_us = end, period_us - length_us
+    told = length_us > SHORTEST_US
     return origin_us + begin * period_us, length_us if told else None
 
 

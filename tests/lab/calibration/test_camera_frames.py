@@ -1,0 +1,61 @@
+"""What the camera's frames do to its events: kicks are found at their size, and none where there are none."""
+
+import numpy as np
+import pytest
+
+from voltcam_lab.calibration.camera_frames import PhaseGoal, with_frames_of
+from voltcam_lab.health import inspect
+from voltcam_lab.light.scene import Scene, scene_of
+from voltcam_lab.models.model import MODELS, simulate
+from voltcam_lab.recordings import Footage
+from voltcam_simulator import Parameters
+
+from ..health.made import HEIGHT, PERIOD_US, WIDTH, healthy, well
+
+CAMERA = Parameters.of("ideal").changed({"contrast_response": {"k1": 4.0}, "leak_noise": {"k6": 3e-4}})
+EXPOSURE_US = 1500.0
+
+
+def filmed(**kicks: float) -> tuple[Footage, Scene]:
+    """A camera of ours whose frames do this; exposures begin with the frames' stamps."""
+    given = healthy()
+    scene = scene_of(given.frames, given.frame_t_us, "cubic")
+    times = {
+        "frame_period_us": PERIOD_US, "exposure_us": EXPOSURE_US, "row_us": 0.01,
+        "offset_us": float(given.frame_t_us[0] % PERIOD_US),
+    }  # fmt: skip
+    camera = CAMERA.changed({"aps_coupling": {**times, **kicks}})
+    events = simulate(MODELS["exact"](WIDTH, HEIGHT, camera, 3), scene)
+    return Footage(events, WIDTH, HEIGHT, given.frames, given.frame_t_us), scene
+
+
+@pytest.mark.parametrize("size", [0.1, -0.1])
+def test_a_kick_of_the_exposure_is_found_at_its_size(size: float) -> None:
+    footage, scene = filmed(exposure_kick=size)
+    found, words = with_frames_of(inspect(footage), scene, footage, CAMERA, seed=8)
+    kick = found.aps_coupling
+    assert kick.exposure_kick == pytest.approx(size, rel=0.35)
+    assert (kick.reset_kick, kick.readout_kick) == (0, 0)
+    assert kick.frame_period_us == PERIOD_US
+    assert words is not None
+    assert "exposure_kick" in words
+
+
+def test_events_that_do_not_come_with_frames_leave_the_camera_as_it_is() -> None:
+    inspection = well()
+    footage = inspection.footage
+    scene = scene_of(footage.frames, footage.frame_t_us, "linear")
+    assert with_frames_of(inspection, scene, footage, CAMERA, seed=8) == (CAMERA, None)
+
+
+def test_the_goal_is_next_to_nothing_for_another_run_of_the_camera() -> None:
+    footage, scene = filmed(exposure_kick=0.1)
+    goal = PhaseGoal.of(footage)
+    plain, _ = filmed()
+    times = {"frame_period_us": PERIOD_US, "exposure_us": EXPOSURE_US, "row_us": 0.01, "exposure_kick": 0.1}
+    offset = {"offset_us": float(footage.frame_t_us[0] % PERIOD_US)}
+    again = CAMERA.changed({"aps_coupling": times | offset})
+    other = simulate(MODELS["exact"](WIDTH, HEIGHT, again, 5), scene)
+    assert goal.excess(footage.events) < 0  # what chance makes is taken off
+    assert abs(goal.excess(other)) < 0.2 * goal.excess(plain.events)
+    assert np.isfinite(goal.excess(other[:0]))
