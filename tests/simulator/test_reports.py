@@ -16,7 +16,7 @@ REPORTS: dict[str, dict[str, st.SearchStrategy[float]]] = {
     "crosstalk": {"coupling": st.sampled_from([0.01, 0.25])},
     "latency": {"delay_us": st.sampled_from([0, 100, 50_000]), "jitter_us": st.sampled_from([0, 10, 5000])},
     "readout": {"row_us": st.sampled_from([0, 0.3, 200]), "event_us": st.sampled_from([0, 0.083, 100])},
-    "row_scan": {
+    "arbiter_scan": {
         "round_us": st.sampled_from([0.3, 250, 50_000]),
         "share": st.sampled_from([0.01, 0.5, 1]),
         "episode_us": st.sampled_from([100, 20_000]),

@@ -6,7 +6,7 @@ from ..health import Inspection
 
 
 def as_read(inspection: Inspection, parameters: Parameters) -> tuple[Parameters, list[str]]:
-    """The parameters with `readout` and `row_scan` as far as the recording shows them, and what was found."""
+    """The parameters with `readout` and `arbiter_scan` as the recording shows them, and what was found."""
     notes = []
     if (bus := inspection.bus) is not None:
         found = {"row_us": round(bus.row_us, 3), "event_us": round(bus.event_us, 4)}
@@ -17,7 +17,7 @@ def as_read(inspection: Inspection, parameters: Parameters) -> tuple[Parameters,
         )
     if (token := inspection.token_scan) is not None:
         parameters = parameters.changed({
-            "row_scan": {
+            "arbiter_scan": {
                 "round_us": round(token.round_us, 1),
                 "share": round(token.share, 3),
                 "episode_us": round(token.episode_us),

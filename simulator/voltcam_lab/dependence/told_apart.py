@@ -22,7 +22,7 @@ Chosen = Callable[[Events], NDArray[np.bool_]]
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class Telling:
     """A covariate that was added; gain: what it added [nats an event], held out; function: (2, size) log
     ratio of real to simulated in each bin, OFF then ON; share: (2, size) of the real events in it."""
 
@@ -39,7 +39,7 @@ class ToldApart:
 
     light: float
     alone: Mapping[str, float]
-    steps: tuple[Step, ...]
+    steps: tuple[Telling, ...]
     events: tuple[int, int]
 
     @property
@@ -76,7 +76,7 @@ def told_apart(
     models = [_fitted(table, known, table.fold != fold) for fold in range(FOLDS)]
     told = light = _held_out(table, known, models)
     alone: dict[str, float] = {}
-    found: list[Step] = []
+    found: list[Telling] = []
     for _ in range(steps):
         gains = {
             each.name: _held_out(table, [*known, each], _extended(table, known, models, each)) - told
@@ -138,10 +138,10 @@ def _held_out(table: _Table, covariates: Sequence[Covariate], models: Sequence[A
     return gain(ratio, table.real)
 
 
-def _step(table: _Table, known: Sequence[Covariate], gained: float) -> Step:
+def _step(table: _Table, known: Sequence[Covariate], gained: float) -> Telling:
     """Of the last one of those known, fitted on everything."""
     last = known[-1]
     function = _fitted(table, known, np.ones(len(table.real), bool)).functions[-1]
     counts = np.bincount(table.bins[last.name][table.real], minlength=2 * last.size)
     share = counts / max(counts.sum(), 1)
-    return Step(last, gained, function.reshape(2, -1), share.reshape(2, -1))
+    return Telling(last, gained, function.reshape(2, -1), share.reshape(2, -1))

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .covariates import LINES, ORDERS, PASTS, PHASES, TIMES, past_edges_us
-from .told_apart import Step
+from .told_apart import Telling
 
 BODY = 0.5  # of the peak: what belongs to it
 KINDS = {
@@ -29,7 +29,7 @@ _AGO = {
 }
 
 
-def peak(step: Step) -> tuple[int, int, int, float]:
+def peak(step: Telling) -> tuple[int, int, int, float]:
     """(polarity, first bin, last bin, log ratio there) of what of a function tells most: real events too many
     or, below 0, too few."""
     weight = step.share * step.function**2
@@ -45,7 +45,7 @@ def peak(step: Step) -> tuple[int, int, int, float]:
     return polarity, first, last, float(np.average(function[body], weights=share[body] + 1e-12))
 
 
-def sentence(step: Step) -> str:
+def sentence(step: Telling) -> str:
     """For people: on what firing depends that the model's does not, and where most."""
     polarity, first, last, ratio = peak(step)
     kind, nats = KINDS[step.covariate.kind], f"{1000 * step.gain:.1f} millinats an event"

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..dependence.covariates import LINES, ORDERS, PASTS, PHASES, TIMES, past_edges_us
-from ..dependence.told_apart import Step
+from ..dependence.told_apart import Telling
 from .style import OFF, ON, REAL, styled
 
 FEWEST_SHARE = 2e-4  # of the real events: a bin with fewer says nothing
@@ -17,7 +17,7 @@ _TIMES = ((1e0, "1 us"), (1e2, "100 us"), (1e4, "10 ms"), (1e6, "1 s"))
 
 
 @styled
-def functions(steps: Sequence[Step]) -> Figure:
+def functions(steps: Sequence[Telling]) -> Figure:
     """A panel for each step; up: real events are more than the model's."""
     rows = max(1, -(-len(steps) // COLUMNS))
     figure = Figure((8.8, 2.5 * rows), layout="constrained")
@@ -31,7 +31,7 @@ def functions(steps: Sequence[Step]) -> Figure:
     return figure
 
 
-def _function(axes: Axes, step: Step) -> None:
+def _function(axes: Axes, step: Telling) -> None:
     name = step.covariate.name
     axes.axhline(0, color=REAL, linewidth=0.8)
     for polarity, (word, colour) in enumerate((("OFF", OFF), ("ON", ON))):

@@ -2,6 +2,7 @@
 
 from ..effect import Effect
 from .aps_coupling import ApsCoupling
+from .arbiter_scan import ArbiterScan
 from .comparator import Comparator
 from .contrast_response import ContrastResponse
 from .crosstalk import Crosstalk
@@ -25,7 +26,6 @@ from .refractory_period import RefractoryPeriod
 from .reset_noise import ResetNoise
 from .residual_drift import ResidualDrift
 from .residual_noise import ResidualNoise
-from .row_scan import RowScan
 from .temperature_drift import TemperatureDrift
 from .threshold_mismatch import ThresholdMismatch
 from .timestamp_quantum import TimestampQuantum
@@ -59,7 +59,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     NoisePairs,
     Crosstalk,
     Latency,
-    RowScan,
+    ArbiterScan,
     Readout,
     UsbOverflow,
     TimestampQuantum,

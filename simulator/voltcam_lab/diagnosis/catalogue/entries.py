@@ -54,7 +54,7 @@ def _token_scans(clues: Clues) -> tuple[Candidate, ...]:
     if token is None:
         return ()
     others = {"share": token.share, "episode_us": max(token.episode_us, 100.0)}
-    return (Candidate("row_scan", ("round_us",), sizes(token.round_us), others),)
+    return (Candidate("arbiter_scan", ("round_us",), sizes(token.round_us), others),)
 
 
 ENTRIES: tuple[Entry, ...] = (
@@ -141,7 +141,7 @@ ENTRIES: tuple[Entry, ...] = (
         _overflows,
         acts_across_columns=lambda parameters: parameters.usb_overflow.active,
     ),
-    Entry("row_scan", FAST_THEN_SLOW, _token_scans),
+    Entry("arbiter_scan", FAST_THEN_SLOW, _token_scans),
     Entry("crosstalk", STILL_SCENE, lambda clues: (Candidate("crosstalk", ("coupling",), sizes(0.05)),)),
     Entry("noise_pairs", STILL_SCENE, lambda clues: (Candidate("noise_pairs", ("rate_hz",), sizes(2)),)),
     Entry(

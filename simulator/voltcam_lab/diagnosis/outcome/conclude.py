@@ -29,11 +29,11 @@ from .result import (
     Identifiable,
     IntervalEstimate,
     Known,
-    Remains,
     Residual,
     Result,
     Seeds,
     Stratum,
+    Unexplained,
     Versions,
 )
 from .where import Z_90, Ranked, View, ranked, views
@@ -115,7 +115,7 @@ def sentence(diagnosis: Diagnosis, first: View, last: View, settings: SearchSett
     return f"Something is missing, and nothing in the catalogue explains it: {gap}{chance}.{near}{form}"
 
 
-def _remains(diagnosis: Diagnosis) -> Remains | None:
+def _remains(diagnosis: Diagnosis) -> Unexplained | None:
     if (found := diagnosis.remains) is None:
         return None
     kinds = [
@@ -127,7 +127,7 @@ def _remains(diagnosis: Diagnosis) -> Remains | None:
         )
         for step in found.telling
     ]
-    return Remains(nats=found.noticed, floor=found.floor, noticeable=NOTICEABLE, kinds=kinds)
+    return Unexplained(nats=found.noticed, floor=found.floor, noticeable=NOTICEABLE, kinds=kinds)
 
 
 def _by_kind(diagnosis: Diagnosis) -> str:

@@ -77,7 +77,7 @@ class Dependence(_Record):
     sentence: str
 
 
-class Remains(_Record):
+class Unexplained(_Record):
     """By what, over all pixels, the recording can be told from simulated ones of the model in the end."""
 
     nats: float = Field(description="nats an event, beyond what the light between frames leaves open")
@@ -154,7 +154,7 @@ class Result(_Record):
     where: list[Stratum] = Field(description="where the fitted camera file disagrees, worst first")
     where_after: list[Stratum] = Field(description="the same with the effects added")
     gap: Gap
-    remains: Remains | None
+    remains: Unexplained | None
     identifiability: Identifiable
     seeds: Seeds
     versions: Versions

@@ -11,7 +11,7 @@ from voltcam_simulator import EVENT, Parameters, Simulator
 from voltcam_simulator.effect import Events
 
 from ...dependence.covariates import Look
-from ...dependence.told_apart import STEPS, Step, ToldApart, told_apart
+from ...dependence.told_apart import STEPS, Telling, ToldApart, told_apart
 from ...distances import FrameLight
 from ...light.scene import Scene
 from ...recordings import Footage
@@ -49,7 +49,7 @@ class Remains:
         return not self.noticed <= NOTICEABLE
 
     @property
-    def telling(self) -> tuple[Step, ...]:
+    def telling(self) -> tuple[Telling, ...]:
         """The steps that matter by themselves."""
         return tuple(step for step in self.told.steps if step.gain > NOTICEABLE)
 

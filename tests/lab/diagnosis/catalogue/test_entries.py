@@ -25,7 +25,7 @@ INPUT_AND_BASE = {
     "contrast_response", "photon_noise", "junction_leak", "parasitic_photocurrent", "leak_noise",
     "dark_current", "residual_drift", "residual_noise",
 }  # fmt: skip
-ONLY_WHERE_SEEN = {"row_scan"}
+ONLY_WHERE_SEEN = {"arbiter_scan"}
 
 
 def test_every_effect_of_the_registry_can_be_found() -> None:
@@ -38,9 +38,9 @@ def test_a_token_is_looked_for_where_stamps_show_one() -> None:
     """All 36 rows in turn, again and again, an event in each 10 us: a round of 360 us."""
     events = CLUES.events.copy()
     events["t"], events["y"] = 10 * np.arange(len(events)), np.arange(len(events)) % 36
-    (token,) = [one for one in catalogue(replace(CLUES, events=events)) if one.effect == "row_scan"]
+    (token,) = [one for one in catalogue(replace(CLUES, events=events)) if one.effect == "arbiter_scan"]
     assert token.sizes[0][0] == pytest.approx(360, rel=0.05)
-    assert token.on(Parameters.of("paper"), token.sizes[0]).row_scan.active
+    assert token.on(Parameters.of("paper"), token.sizes[0]).arbiter_scan.active
 
 
 @pytest.mark.parametrize("candidate", catalogue(CLUES), ids=lambda one: f"{one.effect}-{one.names[0]}")

@@ -13,7 +13,7 @@ NS_PER_US = 1000
 _MEASURED = "measured on slider_depth (DAVIS240C, Event Camera Dataset), from the events' stamps and rows"
 
 
-class RowScan(Effect):
+class ArbiterScan(Effect):
     """While the token goes round, an event waits until it passes its row, from row 0 up, once in round_us;
     all that wait in a row leave with one time stamp. `readout` then takes them as a row's.
 

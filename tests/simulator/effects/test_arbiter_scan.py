@@ -13,7 +13,9 @@ NOISY = only(leak_noise={"k6": 3e-3})
 
 
 def scanned(seconds: float = 2, busy: Parameters = NOISY, **scan: float) -> Events:
-    return watch_still(Simulator(WIDTH, HEIGHT, busy.changed({"row_scan": scan}), seed=3), 50, seconds, 100)
+    return watch_still(
+        Simulator(WIDTH, HEIGHT, busy.changed({"arbiter_scan": scan}), seed=3), 50, seconds, 100
+    )
 
 
 def phase_error(events: Events) -> np.ndarray:
@@ -51,7 +53,7 @@ def test_episodes_take_their_share_of_the_time() -> None:
 
 
 def test_it_does_not_matter_how_time_is_cut() -> None:
-    parameters = NOISY.changed({"row_scan": {"round_us": ROUND_US, "share": 0.5, "episode_us": 1000.0}})
+    parameters = NOISY.changed({"arbiter_scan": {"round_us": ROUND_US, "share": 0.5, "episode_us": 1000.0}})
 
     def run(times_us: list[int]) -> Events:
         flash = only(contrast_response={"k1": 2.0}).changed(parameters.changes_since(NOISY))
