@@ -1,7 +1,7 @@
 """`make dataset-campaign CLIPS=n`: a set of n short clips, videos and scenes of photographs, on two cores.
 
 It fails when the single conversions together take less than LEAST_SHARE of the set's time on the processor,
-which other programs do not change; when a worker's memory grows by more than GROWTH_MB over the second half;
+which other programs do not change; when a worker's memory grows by more than GROWTH_MB in the last quarter;
 when a set that was killed twice and resumed, or one from a Dask cluster of which a worker is killed, is not
 the same to the bit; or when h5py in a fresh process, and tonic where TONIC names a Python that has it, read
 other events than the manifest says.
@@ -145,13 +145,14 @@ class Watch:
         self._thread.start()
 
     def growth_mb(self) -> float:
-        """Of the last quarter over the second one."""
+        """Of the last quarter over the one before, in the median: items of a kind come together, and a single
+        large one is no growth."""
         self._done.set()
         self._thread.join(10)
         quarter = len(self.mb) // 4
         if quarter == 0:
             return 0.0
-        return max(self.mb[3 * quarter :]) - max(self.mb[quarter : 2 * quarter])
+        return float(np.median(self.mb[3 * quarter :]) - np.median(self.mb[2 * quarter : 3 * quarter]))
 
     def _run(self) -> None:
         while not self._done.wait(0.5):
