@@ -21,7 +21,8 @@ from ..recordings import Footage
 from .contenders import SEED
 from .evaluate import Evaluation, judged, yardstick_of
 
-FIRST = 0.6  # of the time
+FIRST = 0.6  # of the time...
+SHORTEST_US, MOST = 1_600_000, 0.8  # ...and what a calibration needs, of a recording that is hardly longer
 CUT = "first part against later part, windows about exposures cut out"
 ALL = "first part against later part, all events"
 Progress = Callable[[str], None]
@@ -34,7 +35,8 @@ def later_part(
     first part's totals. Raises ValueError as `yardstick_of` and `camera_from` do."""
     footage, whole = inspection.footage, yardstick_of(inspection, name)
     t_us = footage.frame_t_us
-    change_us = int(t_us[0] + FIRST * (t_us[-1] - t_us[0]))
+    span_us = int(t_us[-1] - t_us[0])
+    change_us = int(t_us[0]) + int(max(FIRST * span_us, min(SHORTEST_US, MOST * span_us)))
     progress("calibrating on the first part")
     first = first_part(footage, change_us)
     camera = camera_from(inspect(first), report=progress).camera

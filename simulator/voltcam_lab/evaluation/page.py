@@ -37,8 +37,8 @@ models, is part of the fit of the exact law. Windows around the exposures of fra
 readout makes events, are cut out of both streams, and hot pixels left out.
 
 The tables "first part against later part" are of a camera that `voltcam calibrate` has made of the first 60 %
-of the time, judged on the rest: once with windows cut out, once with all events, as a user of the emulator
-sees them.
+of the time (more of a short recording), judged on the rest: once with windows cut out, once with all events,
+as a user of the emulator sees them.
 
 The last two rows of a table are real events against real events of the same recording: other pixels (a
 checkerboard) and other times (every other 100 ms). No simulation can be expected to come closer than that.
