@@ -82,7 +82,8 @@ def with_frames_of(
     """
     if not inspection.bursts:
         return parameters, None
-    goal, times = PhaseGoal.of(footage), _times(inspection, footage, parameters)
+    goal = PhaseGoal.of(footage)
+    times = _times(inspection, footage, parameters, goal.period_us)
 
     def excess(kicks: Mapping[str, float]) -> float:
         report("frames")
@@ -111,12 +112,12 @@ def with_frames_of(
     ), words
 
 
-def _times(inspection: Inspection, footage: Footage, parameters: Parameters) -> dict[str, Any]:
+def _times(
+    inspection: Inspection, footage: Footage, parameters: Parameters, period_us: float
+) -> dict[str, Any]:
     """When frames are taken, on the pixels' clock: events are late by the camera's own delay."""
-    t_us = footage.frame_t_us
     row_us = abs(inspection.row_time_us or NO_ROWS_US)
-    begin_us, told_us = exposure_times(footage.events, t_us, footage.exposure_us, row_us)
-    period_us = float(t_us[-1] - t_us[0]) / (len(t_us) - 1)
+    begin_us, told_us = exposure_times(footage.events, footage.frame_t_us, footage.exposure_us, row_us)
     begin_us -= parameters.latency.delay_us + footage.height * row_us
     return {
         "frame_period_us": round(period_us, 3),

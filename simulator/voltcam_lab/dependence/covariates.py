@@ -13,7 +13,7 @@ from ..light.frame_light import FrameLight
 from .past import past_of
 
 Bins = NDArray[np.int64]
-Kind = Literal["own past", "neighbours", "row", "column", "bus", "clock", "slow time", "pixel", "light"]
+Kind = Literal["own past", "neighbours", "row", "column", "bus", "clock", "slow time", "light"]
 
 DECADES_PER_BIN = 0.15
 PAST_DECADES = 7

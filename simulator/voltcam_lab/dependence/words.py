@@ -16,7 +16,6 @@ KINDS = {
     "clock": "a clock locked to the frames",
     "slow time": "slow time",
     "light": "light and its change",
-    "pixel": "which pixel it is",
 }
 _AGO = {
     "own_same": "after the pixel's last event of the same polarity",
@@ -59,12 +58,15 @@ def sentence(step: Telling) -> str:
 
 def _where(name: str, first: int, last: int) -> str:
     if name in PASTS:
+        if last == 0:
+            return _AGO[name].replace("after", "at the very time of", 1)
         return f"{_span(past_edges_us(), first, last)} {_AGO[name]}"
     if name == "order":
         if first == 0:
             return "that do not share row and time with the event before"
-        steps = f"{ORDERS[first - 1]} to {ORDERS[last] - 1}"
-        return f"at the time of the event before and {steps} pixels along its row"
+        steps = (f"{step} pixels" for step in (ORDERS[first - 1], ORDERS[last] - 1))
+        low, high = ("the row's end" if len(step) > len("1000 pixels") else step for step in steps)
+        return f"at the time of the event before and from {low} to {high} along its row"
     sizes = {"frame": PHASES, "time": TIMES, "y": LINES, "x": LINES}
     size = sizes[name]
     part = f"{first / size:.0%} to {(last + 1) / size:.0%} of the"
@@ -77,8 +79,6 @@ def _where(name: str, first: int, last: int) -> str:
 
 
 def _span(edges_us: NDArray[np.float64], first: int, last: int) -> str:
-    if last == 0:
-        return "at the same microsecond as, and"
     low = "0 us" if first == 0 else _time(edges_us[first - 1])
     return f"later than {low}" if last == len(edges_us) else f"{low} to {_time(edges_us[last])}"
 
