@@ -48,7 +48,7 @@ def sentence(step: Telling) -> str:
     """For people: on what firing depends that the model's does not, and where most."""
     polarity, first, last, ratio = peak(step)
     kind, nats = KINDS[step.covariate.kind], f"{1000 * step.gain:.1f} millinats an event"
-    many = f"{np.exp(ratio):.2g} times as many" if ratio > 0 else f"{np.exp(ratio):.0%} of the"
+    many = f"{_short(np.exp(ratio))} times as many" if ratio > 0 else f"{np.exp(ratio):.0%} of the"
     return (
         f"Firing depends on {kind} as the model's does not ({nats}): there "
         f"are {many} {'ON' if polarity else 'OFF'} events as simulated "
@@ -86,5 +86,10 @@ def _span(edges_us: NDArray[np.float64], first: int, last: int) -> str:
 def _time(us: float) -> str:
     for unit, size in (("s", 1e6), ("ms", 1e3)):
         if us >= size:
-            return f"{us / size:.2g} {unit}"
-    return f"{us:.2g} us"
+            return f"{_short(us / size)} {unit}"
+    return f"{_short(us)} us"
+
+
+def _short(number: float) -> str:
+    """To two digits, without an exponent."""
+    return f"{float(f'{number:.2g}'):g}"

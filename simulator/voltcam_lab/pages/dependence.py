@@ -37,7 +37,8 @@ def _function(axes: Axes, step: Telling) -> None:
     for polarity, (word, colour) in enumerate((("OFF", OFF), ("ON", ON))):
         shown = np.where(step.share[polarity] >= FEWEST_SHARE, step.function[polarity], np.nan)
         axes.stairs(shown, np.arange(shown.size + 1), color=colour, baseline=None, label=word)
-    axes.set_title(f"{step.covariate.title}: {1000 * step.gain:.1f} millinats")
+    axes.set_title(f"{1000 * step.gain:.1f} millinats an event")
+    axes.set_xlabel(step.covariate.title)
     axes.set_ylabel("ln (real : simulated)")
     if name in PASTS:
         edges = past_edges_us()
