@@ -33,8 +33,9 @@ def _expose(pose, canvas, picture):  # type: ignore[no-untyped-def]
 
     Bodies of the loops over pixels call no function with arrays: counting their references cost 60 ns each.
     """
-    texture, shading, card, disc_dn, disc_radius = canvas
+    texture, shading, card, disc_dn, disc_radius, disc_print = canvas
     (height, width), last = card.shape, texture.shape[0] - 1
+    prints, end = disc_print.shape[0], disc_print.shape[1] - 1
     for y in range(height):
         for x in range(width):
             if card[y, x] >= 0:
@@ -53,7 +54,17 @@ def _expose(pose, canvas, picture):  # type: ignore[no-untyped-def]
                 square = ex * ex + ey * ey
                 if square < reach * reach:
                     inside = min(reach - np.sqrt(square), 1.0)
-                    light += inside * inside * (3 - 2 * inside) * (disc_dn[d] - light)
+                    i, j = int(np.floor(FINENESS * ex)), int(np.floor(FINENESS * ey))
+                    a, b, k = FINENESS * ex - i, FINENESS * ey - j, min(d, prints - 1)
+                    upper = (
+                        disc_print[k, j & end, i & end] * (1 - a) + disc_print[k, j & end, (i + 1) & end] * a
+                    )
+                    j += 1
+                    lower = (
+                        disc_print[k, j & end, i & end] * (1 - a) + disc_print[k, j & end, (i + 1) & end] * a
+                    )
+                    own = disc_dn[d] * (upper * (1 - b) + lower * b)
+                    light += inside * inside * (3 - 2 * inside) * (own - light)
             picture[y, x] = light
 
 

@@ -9,6 +9,9 @@ Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 
 
+PLAIN = np.ones((1, 1, 1), np.float32)  # of a disc without a pattern
+
+
 class Canvas(NamedTuple):
     """What a scene is made of, apart from its motion."""
 
@@ -17,6 +20,7 @@ class Canvas(NamedTuple):
     card: Singles  # (height, width) DN, negative where no card hangs
     disc_dn: Floats  # (discs,)
     disc_radius: Floats  # (discs,) pixels
+    disc_print: Singles = PLAIN  # (1 or discs, side, side), as texture; moves with the disc, times its DN
 
 
 class Tables(NamedTuple):

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict
 
 from voltcam_client.formats import FormatError, Recording
-from voltcam_lab.diagnosis.catalogue.candidate import Candidate
 from voltcam_lab.diagnosis.outcome.conclude import size_estimates
 from voltcam_lab.diagnosis.outcome.result import IntervalEstimate
 from voltcam_lab.diagnosis.rig.rig import Rig
@@ -36,7 +35,7 @@ _PUBLISHED: dict[str, tuple[str, dict[str, dict[str, Any]]]] = {
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """All that the diagnosis gets. without: effect to leave out of the catalogue; twice: to list again."""
+    """All that the diagnosis gets. without: effect to leave out of the catalogue."""
 
     events: NDArray[Any]
     frames: NDArray[Any]
@@ -45,7 +44,6 @@ class Question:
     height: int
     camera: str  # whose published set is the camera file
     without: str | None = None
-    twice: str | None = None
 
 
 class Named(BaseModel):
@@ -88,7 +86,7 @@ def ask(question: Question) -> Verdict:
     except (DiagnosisError, FormatError) as error:
         return Verdict(verdict="refused", reason=str(error))
     rig = Rig(session.rig.setting)
-    candidates = _sabotaged(session.candidates, question)
+    candidates = [one for one in session.candidates if one.effect != question.without]
     search = Search(rig, session.data, candidates, sensor=session.sensor)
     diagnosis = diagnose(search, Hypothesis(session.parameters))
     return _verdict(diagnosis)
@@ -97,11 +95,6 @@ def ask(question: Question) -> Verdict:
 def _published(camera: str) -> Parameters:
     preset, changes = _PUBLISHED[camera]
     return Parameters.of(preset).changed(changes)
-
-
-def _sabotaged(candidates: tuple[Candidate, ...], question: Question) -> list[Candidate]:
-    again = [one for one in candidates if one.effect == question.twice]
-    return [one for one in candidates if one.effect != question.without] + again
 
 
 def _verdict(diagnosis: Diagnosis) -> Verdict:

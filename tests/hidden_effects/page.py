@@ -7,7 +7,7 @@ import numpy as np
 from tests.generator import FAULTS, UNLISTED
 
 from .ask import Verdict
-from .cases import FPS, FURTHER, HEIGHT, REPORTED_FROM, SECONDS, SINGLES, WIDTH, Case
+from .cases import ANY_FPS, FPS, FURTHER, HEIGHT, REPORTED_FROM, SECONDS, SINGLES, SLOW_FPS, WIDTH, Case
 from .makes import MAKES
 from .run import Line
 from .score import Figure, Judged, controls, judged, share_removed, table
@@ -71,8 +71,10 @@ Written by `make hidden-effects`; not by hand.{part}
 
 Each case is a recording of {SECONDS:g} s and {WIDTH} x {HEIGHT} pixels, made by `tests/generator`, which
 shares no code with simulator and lab, forms effects in its own way, and has every base parameter off by up to
-30 %, on a scene of its own; other makes have the lab's baselines for pixels. The diagnosis gets events,
-frames (8 bit, {FPS:g} fps where nothing else is said) and the published parameters of the camera, on one
+30 %, on a scene of its own; other makes have the lab's baselines for pixels. Half of the scenes are six plane
+waves of 6 to 26 pixels that never rest, half photographs that turn and zoom behind others that fly by.
+The diagnosis gets events, frames of 8 bit (nulls {FPS:g} a second, slow nulls {SLOW_FPS[0]:g} to
+{SLOW_FPS[1]:g}, all others {ANY_FPS[0]:g} to {ANY_FPS[1]:g}) and the published parameters of the camera, on one
 thread. Its verdict is on disk before the answer is drawn from the seed.
 Seeds are {first} to {last}, {use} {REPORTED_FROM}.
 What is asked was written down before the first case ran.
@@ -156,7 +158,7 @@ def _answered(one: Judged) -> str:
 def _confusion(found: Sequence[Judged]) -> str:
     count: dict[str, Counter[str]] = {}
     for one in found:
-        if one.case.part in ("pairs", "deleted", "shuffled", "twice", "makes"):
+        if one.case.part in ("pairs", "deleted", "shuffled", "makes"):
             continue
         hidden = one.case.effects[0][0] if one.case.effects else one.case.fault or "nothing"
         count.setdefault(hidden, Counter()).update(_answered(one).split(", "))

@@ -53,7 +53,6 @@ def question(case: Case, recording: Recorded) -> Question:
         recording.events, recording.frames, recording.frame_t_us, recording.width, recording.height,
         recording.truth["base"]["camera"],
         without=effect if case.sabotage == "deleted" else None,
-        twice=effect if case.sabotage == "twice" else None,
     )  # fmt: skip
 
 

@@ -3,6 +3,7 @@
 Seeded, so that a result does not change from run to run; tolerances are at least 4 standard errors.
 """
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
@@ -13,9 +14,12 @@ from scipy.stats import invgauss, kstest
 from tests.generator import (
     FAULTS,
     Base,
+    Scene,
     draw_base,
     draw_effect,
     draw_film,
+    draw_fine_scene,
+    draw_photo_scene,
     draw_scene,
     record,
     shuffled_polarity,
@@ -156,3 +160,16 @@ def test_unknown_names_are_told() -> None:
         draw_effect(np.random.default_rng(1), "glare", "weak")
     with pytest.raises(ValueError, match="draws a longer one"):
         record(draw_scene(np.random.default_rng(1), 12, 12, seconds=1), QUIET, seconds=3)
+
+
+@pytest.mark.parametrize("draw", [draw_fine_scene, draw_photo_scene])
+def test_scenes_that_never_rest_are_continuous_light(draw: Callable[..., Scene]) -> None:
+    """Twice as short a time halves the change; each seed has its own."""
+    one, other = (draw(np.random.default_rng(seed), seconds=2.0) for seed in (1, 2))
+    images = one.radiance(np.array([0, 500, 1000, 1_000_000]))
+    assert images.min() > 0
+    assert images.max() < 320  # what tables of the pixels hold
+    half, whole, later = (np.abs(image - images[0]).mean() for image in images[1:])
+    assert 0 < half < 0.6 * whole
+    assert whole < 0.1 * later
+    assert np.abs(other.radiance(np.array([0])) - images[0]).mean() > 1
