@@ -74,8 +74,8 @@ shares no code with simulator and lab, forms effects in its own way, and has eve
 30 %, on a scene of its own; other makes have the lab's baselines for pixels. Half of the scenes are six plane
 waves of 6 to 26 pixels that never rest, half photographs that turn and zoom behind others that fly by.
 The diagnosis gets events, frames of 8 bit (nulls {FPS:g} a second, slow nulls {SLOW_FPS[0]:g} to
-{SLOW_FPS[1]:g}, all others {ANY_FPS[0]:g} to {ANY_FPS[1]:g}) and the published parameters of the camera, on one
-thread. Its verdict is on disk before the answer is drawn from the seed.
+{SLOW_FPS[1]:g}, all others {ANY_FPS[0]:g} to {ANY_FPS[1]:g}) and the published parameters of the camera, on
+one thread. Its verdict is on disk before the answer is drawn from the seed.
 Seeds are {first} to {last}, {use} {REPORTED_FROM}.
 What is asked was written down before the first case ran.
 

@@ -79,6 +79,9 @@ class SimulationFit:
     """Largest step of a parameter [log]. Convention."""
     step_lengths: tuple[float, ...] = (1.0, 0.4, 0.1)
     """Shares of the step that are tried until one lowers the gap. Convention."""
+    shortest_secant: float = 0.05
+    """Length of a move [log] from which slopes are mended by what it did. Convention: less is lost in the
+    runs' noise."""
     descents: int = 3
     """Steps for each set of derivatives. Convention."""
     size_steps: tuple[float, ...] = (0.15, 0.5)

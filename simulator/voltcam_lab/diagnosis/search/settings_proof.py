@@ -57,8 +57,9 @@ class Trials:
     """An effect that removes this share of what the best one does is fitted a second time. Convention."""
     at_chance: float = 0.1
     """Excess: an effect that leaves no more needs no second fit. Convention."""
-    rounds: int = 1
-    """Sets of derivatives in all fits of an effect but the last. Convention: time."""
+    rounds: int = 0
+    """Sets of derivatives that are taken in fits of an effect but the last. Convention: time; they begin with
+    those of the model without it."""
     last_rounds: int = 3
     """Sets of derivatives in the last fit of the best effect. Convention."""
 

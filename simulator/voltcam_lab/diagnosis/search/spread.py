@@ -12,6 +12,8 @@ from ..rig.rig import Rig
 from .hypothesis import BASE, Hypothesis
 from .settings import SearchSettings
 
+Slopes = NDArray[np.float64]
+"""(PARTS, n, k): of each statistic with respect to each entry of a hypothesis' `shift`."""
 TRAINING, HELD_OUT = (0, 1, 2), (3,)
 """Parts of a recording that fits see, and that they do not."""
 
@@ -31,7 +33,7 @@ class TwinSpread:
     model_variance: Values
     inflated_sd: Values
     twins: list[Values]
-    slopes: NDArray[np.float64]
+    slopes: Slopes
     versions: int
 
     @property
@@ -74,18 +76,19 @@ def _mean_and_variance(twins: list[Values]) -> tuple[Values, Values]:
 
 
 def slopes_of(
-    rig: Rig, hypothesis: Hypothesis, seeds: Sequence[int], settings: SearchSettings
-) -> NDArray[np.float64]:
-    """(PARTS, n, k): derivatives of the statistics with respect to the hypothesis' `shift`.
+    rig: Rig, hypothesis: Hypothesis, seeds: Sequence[int], settings: SearchSettings, first: int = 0
+) -> Slopes:
+    """The slopes at a hypothesis, of the entries of its `shift` from `first` on.
 
     By runs on both sides: statistics bend so much that a step to one side is off.
     """
-    k, derivatives = len(hypothesis.shift), settings.derivatives
-    steps = np.full(k, derivatives.wide_step)
+    derivatives = settings.derivatives
+    steps = np.full(len(hypothesis.shift), derivatives.wide_step)
     steps[: len(BASE)] = [
         derivatives.step if name in derivatives.sharp else derivatives.wide_step for _, name in BASE
     ]
-    moves = np.diag(steps / 2)
+    moves, steps = np.diag(steps / 2)[first:], steps[first:]
+    k = len(moves)
     there = [hypothesis.parameters((hypothesis.shift + move).tolist()) for move in (*moves, *-moves)]
     means = rig.means(there, seeds)
     change = np.stack([up - down for up, down in zip(means[:k], means[k:], strict=True)], axis=-1)

@@ -12,7 +12,7 @@ from .fit import fitted_by_simulation
 from .hypothesis import Hypothesis
 from .robust import mean_huber
 from .screen import Screen, Signature
-from .spread import HELD_OUT, TRAINING, flat
+from .spread import HELD_OUT, TRAINING, Slopes, flat, slopes_of
 from .state import Search
 
 
@@ -80,8 +80,15 @@ class TrialBench:
         moved = self.screen.hypothesis.moved(move)
         return moved.with_effect(one.candidate, one.candidate.scaled(one.size, amount))
 
+    def _slopes(self, start: Hypothesis) -> Slopes:
+        """About what they are at the start of a trial: the effect's own are, those of what was there are as
+        without it."""
+        settings, known = self.search.settings, self.screen.spread.slopes
+        own = slopes_of(self.search.rig, start, settings.runs.slopes, settings, known.shape[-1])
+        return np.concatenate([known, own], axis=-1)
+
     def judged(self, candidate: Candidate, start: Hypothesis, score: float, rounds: int) -> Trial:
-        """An effect fitted from `start` on.
+        """An effect fitted from `start` on; rounds: for which slopes are taken anew there.
 
         Few hot pixels scatter more than all twins without any: where an effect brings a scatter of its own,
         what it leaves counts in units of that, and the logarithm of the scatter is added, as in a likelihood:
@@ -89,12 +96,14 @@ class TrialBench:
         """
         search, spread, trials = self.search, self.screen.spread, self.search.settings.trials
         sd, huber_z = spread.inflated_sd, search.settings.huber_z
-        hypothesis, mean = fitted_by_simulation(search, start, sd, rounds)
+        slopes = None if rounds else self._slopes(start)
+        hypothesis, mean = fitted_by_simulation(search, start, sd, rounds, slopes)
         rough = search.rig.runs([hypothesis.parameters()], search.settings.runs.rough_twins)[0]
         scatter = rough.std(axis=0, ddof=1)
         wide = np.where(scatter > trials.scatter * sd, scatter, sd)
         if np.mean(wide > sd) > trials.scattered_share:
-            hypothesis, mean = fitted_by_simulation(search, hypothesis, wide, rounds)
+            slopes = None if rounds else self._slopes(hypothesis)
+            hypothesis, mean = fitted_by_simulation(search, hypothesis, wide, rounds, slopes)
         after, wider = search.data - mean, np.log(wide / sd)
         gained, confirmed = (
             mean_huber(flat(self.rest, parts), huber_z)
@@ -118,16 +127,17 @@ class TrialBench:
         return max(trial, other, key=_gained)
 
     def finished(self, best: Trial) -> Trial:
-        """The trial fitted to the end: from where it is, again from the nearest size, and from the camera
-        file, as base parameters may have gone far to stand in for the effect."""
-        starts = [best.hypothesis]
+        """The trial fitted to the end: the best of where it is, the nearest size, and the camera file, as
+        base parameters may have gone far to stand in for the effect."""
+        trials, ends = self.search.settings.trials, [best]
         if best.training > self.at_chance:
-            starts += [self._start(best), self._nearest(self._from_file(best.candidate))]
-        rounds = self.search.settings.trials.last_rounds
-        ends = self.search.rig.each(
-            lambda one: self.judged(best.candidate, one, best.score, rounds=rounds), starts
-        )
-        return max(ends, key=_gained)
+            starts = [self._start(best), self._nearest(self._from_file(best.candidate))]
+            ends += self.search.rig.each(
+                lambda one: self.judged(best.candidate, one, best.score, trials.rounds), starts
+            )
+        begin = max(ends, key=_gained)
+        end = self.judged(best.candidate, begin.hypothesis, best.score, trials.last_rounds)
+        return max(begin, end, key=_gained)
 
     def _from_file(self, candidate: Candidate) -> list[Hypothesis]:
         """The effect at several sizes, base parameters as in the camera file."""
