@@ -6,6 +6,7 @@ import numpy as np
 
 from .effect import EventInterval, Events, Plane, overrides
 from .event_order import copied, merged
+from .limits import Limits
 from .parameters import Parameters
 from .sensor_pixels import SensorPixels
 
@@ -47,7 +48,9 @@ class EventStages:
         """Whether `passed` needs the light."""
         return any(effect.active and effect.sees_light for effect in self._effects)
 
-    def passed(self, events: Events, start_us: int, end_us: int, interval: int, light: Plane) -> Events:
+    def passed(
+        self, events: Events, start_us: int, end_us: int, interval: int, light: Plane, limits: Limits
+    ) -> Events:
         """What leaves the camera by end_us of the pixels' events from start_us on, and of those before.
 
         light (pixels,): what the pixels see at end_us [DN], where they `see_light`. Raises GivenUpError.
@@ -58,7 +61,7 @@ class EventStages:
         pixels = self._pixels
         voltage = pixels.voltage if self.feed_back else NO_PLANE
         readout = EventInterval(
-            pixels.sensor, start_us, end_us, interval, pixels.state, voltage, light, pixels.limits,
+            pixels.sensor, start_us, end_us, interval, pixels.state, voltage, light, limits,
         )  # fmt: skip
         for effect in self._effects:
             if effect.active:
