@@ -12,6 +12,8 @@ import time
 from collections.abc import Callable, Sequence
 from functools import partial
 
+from prometheus_client import Histogram
+
 from voltcam_simulator import Camera, Device, Law
 from voltcam_video import Clock, Granted, Outcome, SourceError, SourceRequest
 
@@ -123,6 +125,11 @@ class Emulator:
         """After `stop`: whether something goes on that cannot be ended, such as an interval of seconds."""
         recorder = self._recorder
         return any(thread.is_alive() for thread in self._threads) or (recorder is not None and recorder.busy)
+
+    @property
+    def histograms(self) -> tuple[Histogram, Histogram]:
+        """How long its intervals spend in each stage, and how old events are as they leave."""
+        return self.stages, self._publisher.ages
 
     @property
     def ready(self) -> bool:
