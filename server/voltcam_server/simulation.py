@@ -44,7 +44,7 @@ class UnderWay(NamedTuple):
     """As it will be, but for its events, their end, and when they are ready."""
     events: list[NDArray[np.void]]
     """Up to the last of the frames in between."""
-    drawn: Drawn
+    drawn: Drawn | None
     """From there on."""
     give: Give
     span_us: int
@@ -229,12 +229,11 @@ class Simulation:
         coarser = self._coarser(span_us, arrival.missed)
         events: list[NDArray[np.void]] = []
 
-        def drawn(step: Frame) -> Drawn:
+        def drawn(step: Frame) -> Drawn | None:
             limits = Limits(coarser, left, lambda: time.monotonic() > until_s)
             now = self._simulator.draw(step.image, step.t_us, limits, self._report)
             if self._lost is not None:
                 raise self._lost[1]
-            assert now is not None  # the first frame of all is a cut
             return now
 
         try:

@@ -129,8 +129,7 @@ class Simulator:
         that are negative or not finite, or a time that does not advance; and GivenUpError beyond the limits,
         with the sensor somewhere on the way to the frame: `jump` to a frame to go on.
         """
-        events = self._advanced(frame, t_us, limits, self.report)
-        return np.empty(0, EVENT) if events is None else events
+        return self.report(self.draw(frame, t_us, limits))
 
     def advance_on_device(self, frame: Any, t_us: int, limits: Limits = NO_LIMITS) -> Any:
         """The same as `advance`, its events left on the GPU: `cuda.events.DeviceEvents`.
@@ -142,12 +141,8 @@ class Simulator:
             raise ValueError("device cpu has its events on the host: call advance")
         from .cuda.events import left_there
 
-        return left_there(self._advanced(frame, t_us, limits, self._reported_on_device))
-
-    def _advanced(self, frame: Any, t_us: int, limits: Limits, reported: Callable[[Drawn], Any]) -> Any:
-        """What is reported of the interval up to a frame, None for the first."""
         drawn = self.draw(frame, t_us, limits)
-        return None if drawn is None else reported(drawn)
+        return left_there(None if drawn is None else self._reported_on_device(drawn))
 
     def draw(
         self, frame: Any, t_us: int, limits: Limits = NO_LIMITS, meanwhile: Callable[[], None] = nothing
@@ -225,9 +220,11 @@ class Simulator:
             light = light.copy()
         return Drawn(self._pixels.take_keys(), self._t_us, t_us, self._intervals, light, limits)
 
-    def report(self, drawn: Drawn) -> Events:
+    def report(self, drawn: Drawn | None) -> Events:
         """The other half of `advance`: the events of what was drawn that leave the camera, in the order of
-        drawing. Raises GivenUpError: `jump` to a frame to go on."""
+        drawing; none for None. Raises GivenUpError: `jump` to a frame to go on."""
+        if drawn is None:
+            return np.empty(0, EVENT)
         start_us = drawn.start_us
         keys = self._pixels.host_keys(self._in_order(drawn))
         events = np.empty(keys.size, EVENT)

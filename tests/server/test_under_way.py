@@ -112,6 +112,19 @@ def test_who_looks_at_the_sensor_has_what_is_under_way_first() -> None:
     assert len(given) == 5
 
 
+def test_a_source_may_go_from_recorded_events_to_frames() -> None:
+    """The simulator has seen nothing of what was replayed: its first frame is the one after that."""
+    simulation = Simulation(tiny(**EFFECTS), "exact", 5, overload=PATIENT)
+    first, *others = (arrival(image, 10_000 * i) for i, image in enumerate(moving_frames(4, tiny())))
+    given: Given = []
+    for one in (replace(first, frame=replace(first.frame, events=np.empty(0, EVENT))), *others):
+        simulation.follow(one, given.append, lambda: True)
+    simulation.finish()
+    assert [one and (one.how, one.events.size > 0) for one in given] == [
+        ("replayed", False), ("advanced", False), ("advanced", True), ("advanced", True),
+    ]  # fmt: skip
+
+
 @pytest.mark.usefixtures("_threads")
 def test_one_whose_events_are_too_many_takes_the_next_with_it() -> None:
     """Pairs are laid on the events behind the pixels: 76 800 in each of these intervals."""
