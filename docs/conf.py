@@ -27,6 +27,7 @@ nitpick_ignore_regex = [
     ("py:.*", r"voltcam_client\.camera\.Message"),
     ("py:.*", r"voltcam_video\.frame\.Frame"),
     ("py:.*", r"voltcam_simulator\.fixed_pattern\.FixedPattern"),
+    ("py:.*", r"voltcam_simulator\.simulator\.Drawn"),
 ]
 
 # Markdown as a forge shows it: headings are anchors, formulas stand between dollars.

@@ -27,21 +27,23 @@ from .bench_figure import Figure
 from .bench_scene import moving
 
 FPS, LOOK_S, BEGIN_S = 60, 8.0, 60.0
-POLL_S = 0.037  # no multiple of a frame; each look costs the daemon a millisecond or two
 PROGRAM = "import sys; from voltcam_client.cli import main; sys.exit(main())"
 SUM = re.compile(r'^voltcam_stage_seconds_(sum|count)\{.*stage="(\w+)".*\} (\S+)$', re.MULTILINE)
+AGE = re.compile(r'^voltcam_sent_age_seconds_bucket\{.*le="(\S+)".*\} (\S+)$', re.MULTILINE)
+SHARES = np.linspace(0.0005, 0.9995, 1000)
 
 
 class Watched(NamedTuple):
     """Of a daemon, over some seconds; ms."""
 
     ages: list[float]
-    """Of the newest events, as they left."""
+    """Of the newest event of packets as they left: its quantiles at SHARES, to a millisecond."""
     ways: list[float]
     """From there to a subscriber in this process."""
     stages: dict[str, float]
     """Mean time of an interval in each stage."""
-    dropped: int
+    lost: int
+    """Frames that gave no events: dropped, or skipped."""
     simulated: int
 
 
@@ -60,8 +62,8 @@ def live(look_s: float = LOOK_S) -> list[Figure]:
         )
         figures.append(Figure.of(f"{small}, age at receipt, {how}", ages, "ms", remark))
     seen = watched(1280, 720, (), look_s)
-    name = f"1280x720 live at {FPS} frames/s, typical, frames dropped"
-    figures.append(Figure.of(name, [float(seen.dropped)], "frames", f"of {seen.dropped + seen.simulated}"))
+    name = f"1280x720 live at {FPS} frames/s, typical, frames dropped or skipped"
+    figures.append(Figure.of(name, [float(seen.lost)], "frames", f"of {seen.lost + seen.simulated}"))
     return figures
 
 
@@ -73,18 +75,25 @@ def watched(width: int, height: int, options: tuple[str, ...], look_s: float) ->
         stop = threading.Event()
         listener = threading.Thread(target=_listen, args=(zmq, stop, ways))
         listener.start()
-        before, (count0, sum0) = _frames(control), _stages(http)
-        ages, until_s = [], time.monotonic() + look_s
-        while time.monotonic() < until_s:
-            ages.append(float(control.status()["latency"]["age_ms"]))
-            time.sleep(POLL_S)
-        after, (count1, sum1) = _frames(control), _stages(http)
+        before, old = _frames(control), _metrics(http)
+        time.sleep(look_s)  # each look costs the daemon a millisecond or two, so there is none in between
+        after, new = _frames(control), _metrics(http)
         stop.set()
         listener.join(10)
-    stages = {
-        stage: 1e3 * (sum1[stage] - sum0[stage]) / max(1, count1[stage] - count0[stage]) for stage in sum0
-    }
+    counts, sums = (
+        {stage: new[kind][stage] - each for stage, each in old[kind].items()} for kind in ("count", "sum")
+    )
+    stages = {stage: 1e3 * sums[stage] / max(1, counts[stage]) for stage in sums}
+    ages = _quantiles({bound: new["age"][bound] - each for bound, each in old["age"].items()})
     return Watched(ages, ways or [0.0], stages, after[0] - before[0], after[1] - before[1])
+
+
+def _quantiles(below: dict[str, float]) -> list[float]:
+    """ms at SHARES, of how many are at most so many seconds, in steps that the last of is inf."""
+    bounds_ms = [1e3 * float(bound) for bound in below]
+    bounds_ms[-1] = bounds_ms[-2]
+    shares = np.array([0.0, *below.values()]) / max(1.0, below["+Inf"])
+    return [float(ms) for ms in np.interp(SHARES, shares, [0.0, *bounds_ms])]
 
 
 def at_receipt(seen: Watched) -> list[float]:
@@ -95,18 +104,21 @@ def at_receipt(seen: Watched) -> list[float]:
 
 
 def _frames(control: Control) -> tuple[int, int]:
+    """(without events, with)"""
     frames = control.status()["frames"]
-    return int(frames["dropped"]), int(frames["simulated"])
+    return int(frames["dropped"]) + int(frames["skipped"]), int(frames["simulated"])
 
 
-def _stages(http: str) -> tuple[dict[str, float], dict[str, float]]:
-    """(how many intervals, seconds of all of them) by stage."""
+def _metrics(http: str) -> dict[str, dict[str, float]]:
+    """Of intervals "count" and "sum" of seconds by stage; of packets how many have an "age" of at most."""
     with urllib.request.urlopen(f"http://{http}/metrics", timeout=10) as answer:
         text = answer.read().decode()
-    found: dict[str, dict[str, float]] = {"count": {}, "sum": {}}
+    found: dict[str, dict[str, float]] = {"count": {}, "sum": {}, "age": {}}
     for kind, stage, value in SUM.findall(text):
         found[kind][stage] = float(value)
-    return found["count"], found["sum"]
+    for bound, value in AGE.findall(text):
+        found["age"][bound] = float(value)
+    return found
 
 
 def _listen(zmq: str, stop: threading.Event, ways: list[float]) -> None:

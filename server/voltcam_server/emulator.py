@@ -10,6 +10,9 @@ status      once a second, and when the source's state changes
 import threading
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
+
+from prometheus_client import Histogram
 
 from voltcam_simulator import Camera, Device, Law
 from voltcam_video import Clock, Granted, Outcome, SourceError, SourceRequest
@@ -17,7 +20,8 @@ from voltcam_video import Clock, Granted, Outcome, SourceError, SourceRequest
 from .beside import DavisSettings
 from .camera_settings import PacketSettings, Upsample
 from .capture import Capture
-from .mailbox import Mailbox
+from .interval import Interval
+from .mailbox import Arrival, Mailbox
 from .messages import status_message
 from .overload import OverloadSettings
 from .pacer import Pacer
@@ -121,6 +125,11 @@ class Emulator:
         """After `stop`: whether something goes on that cannot be ended, such as an interval of seconds."""
         recorder = self._recorder
         return any(thread.is_alive() for thread in self._threads) or (recorder is not None and recorder.busy)
+
+    @property
+    def histograms(self) -> tuple[Histogram, Histogram]:
+        """How long its intervals spend in each stage, and how old events are as they leave."""
+        return self.stages, self._publisher.ages
 
     @property
     def ready(self) -> bool:
@@ -279,17 +288,24 @@ class Emulator:
             recorder = self._recorder
             if recorder:
                 recorder.look(self.simulation, self._capture.request.shown)
-            skipped = self.simulation.skipped
-            interval = self.simulation.step(arrival)
-            self._busy = None
             self.stages.labels("waiting").observe(began_s - arrival.at_s)
-            self.stages.labels("simulating").observe(time.monotonic() - began_s)
-            if interval is not None:
-                if recorder:
-                    recorder.put(interval)
-                self._pacer.put(interval)
-            if arrival.frame.sent is not None:
-                arrival.frame.sent.tell(self._outcome(skipped))
+            give = partial(self._give, arrival, recorder, began_s, self.simulation.skipped)
+            self.simulation.follow(arrival, give, lambda: self._mailbox.waiting > 0)
+            self._busy = None
+        self.simulation.finish()
+
+    def _give(
+        self, arrival: Arrival, recorder: Recorder | None, began_s: float, skipped: int,
+        interval: Interval | None,
+    ) -> None:  # fmt: skip
+        """On with an interval; skipped: how many had been when its simulation began."""
+        self.stages.labels("simulating").observe(time.monotonic() - began_s)
+        if interval is not None:
+            if recorder:
+                recorder.put(interval)
+            self._pacer.put(interval)
+        if arrival.frame.sent is not None:
+            arrival.frame.sent.tell(self._outcome(skipped))
 
     def _outcome(self, skipped: int) -> Outcome:
         """Of the frame just simulated; skipped: how many had been before it."""

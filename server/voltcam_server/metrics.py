@@ -34,8 +34,9 @@ class _Cameras(Collector):
         for camera in self._cameras:
             for metric in _of(camera.emulator.status):
                 _merge(families, metric, camera.name)
-            for metric in camera.emulator.stages.collect():
-                _merge(families, metric, camera.name)
+            for histogram in camera.emulator.histograms:
+                for metric in histogram.collect():
+                    _merge(families, metric, camera.name)
         return iter(families.values())
 
 

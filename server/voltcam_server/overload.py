@@ -5,10 +5,14 @@ import time
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from voltcam_simulator import GivenUpError, TooManyEventsError
+
 MOST_STEPS = 512
 MOST_PIXEL_STEPS = 30e6  # about a second of one core
 RECENT_S = 2.0
 TOO_FAST = "frames come faster than they are simulated, and some are dropped"
+MISSED_AT_LEAST = 2  # dropped frames, of which what was between is skipped
+MOST_PERIODS = 2  # of frames, that simulating it may take: on a machine that was late for once it is not
 BUSY = "frames are dropped while this machine is busy with something else: close other programs"
 
 
@@ -37,6 +41,12 @@ class OverloadSettings(BaseModel):
         description="an interval that takes longer to simulate is given up and skipped",
     )
 
+    def words(self, error: GivenUpError) -> str:
+        """Why an interval was given up."""
+        if isinstance(error, TooManyEventsError):
+            return f"more than {self.most_events} events between two frames"
+        return f"one interval takes more than {self.longest_work_s:g} s"
+
 
 def coarser(span_us: float, longest_step_us: float, pixels: int) -> float:
     """How many times longer steps must be, so that an interval has no more of them than can be simulated."""
@@ -61,6 +71,14 @@ class Load:
     def skipped(self, why: str) -> None:
         """Something was left out just now."""
         self._trouble = (why, self._ratio, time.monotonic())
+
+    def too_much(self, span_us: int, missed: int, settings: OverloadSettings) -> str:
+        """Why an interval within which so many frames were dropped is not simulated; empty when it is."""
+        if missed >= MISSED_AT_LEAST and (1 + missed) * self._ratio > MOST_PERIODS:
+            return TOO_FAST
+        if span_us > settings.longest_interval_us:
+            return f"{span_us / 1e6:.3g} s between two frames, more than overload.longest_interval_us allows"
+        return ""
 
     def dropped(self) -> None:
         """Frames were left out just now, for want of time."""

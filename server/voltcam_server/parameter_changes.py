@@ -1,7 +1,7 @@
 """Parameters as they change while a camera runs: asked for in any thread, taken on between two intervals."""
 
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from voltcam_simulator import Parameters, Simulator
@@ -58,10 +58,10 @@ class ParameterChanges:
                 pattern = self._simulator.laid_down(parameters.seen_through(gamma))
                 self._laid = _Laid(pattern, newest, gamma)
 
-    def take(self, gamma: float | None = None) -> None:
+    def take(self, gamma: float | None = None, before: Callable[[], None] = lambda: None) -> None:
         """Give the simulator the newest pattern that is made. For the thread that calls `advance`.
 
-        gamma: of the frame that comes next; None: as it was.
+        gamma: of the frame that comes next; None: as it was. before: called before there is a change.
         """
         if gamma is not None and gamma != self._gamma:
             self._gamma = gamma
@@ -69,5 +69,6 @@ class ParameterChanges:
         laid = self._laid
         if laid is not self._taken:
             assert laid.pattern is not None
+            before()
             self._simulator.take(laid.pattern)
             self._taken, self.version = laid, laid.version

@@ -15,6 +15,7 @@ from .beside import Beside, Frames
 from .interval import Interval
 from .messages import Message, events_message, frame_message, samples_message
 from .pacer import Slice
+from .stages import age_histogram
 from .status import LatencyStatus, Meter
 from .transports import Transport
 
@@ -37,6 +38,7 @@ class Publisher:
         self._beside: tuple[Interval | None, Beside] = None, Beside()  # what has not left of an interval
         self._latency = LatencyStatus(simulated_ms=0, sent_ms=0, age_ms=0)
         self._age_s = 0.0  # of the events that left last
+        self.ages = age_histogram()
 
     def latency(self, waited_s: float) -> LatencyStatus:
         """Now, while the frame that is being simulated came so long ago."""
@@ -57,6 +59,7 @@ class Publisher:
         )
         self.publish(events_message(packet))
         self._age_s = time.monotonic() - interval.arrived_s + (interval.frame_us - piece.end_us) / 1e6
+        self.ages.observe(self._age_s)
         self.packets.total += 1
         self.events.total += piece.events.size
         self._send_beside(interval, piece.end_us)

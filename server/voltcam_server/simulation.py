@@ -1,8 +1,9 @@
 """From frames to intervals of events: the simulator, its parameters as they change, and one time line."""
 
 import time
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,14 +12,14 @@ from voltcam_simulator import (
     EVENT,
     Camera,
     Device,
+    Drawn,
     GivenUpError,
     Law,
     Limits,
     Parameters,
     Simulator,
-    TooManyEventsError,
 )
-from voltcam_video import VIDEO_GAMMA, Frame, Image, along_cubic, along_flow, fit, follows
+from voltcam_video import VIDEO_GAMMA, Frame, Image, fit
 
 from .beside import BesideEvents, DavisSettings
 from .camera_settings import Upsample
@@ -26,14 +27,29 @@ from .compiling import CompiledEffects
 from .cores import threads_for
 from .interval import How, Interval, SimulationSetup, Start
 from .mailbox import Arrival
-from .overload import TOO_FAST, Load, OverloadSettings, coarser
+from .overload import Load, OverloadSettings, coarser
 from .parameter_changes import ParameterChanges
 from .problems import one_line
+from .upsampling import Upsampling
 
-MISSED_AT_LEAST = 2  # dropped frames, of which what was between is skipped
-MOST_PERIODS = 2  # of frames, that simulating it may take: on a machine that was late for once it is not
 PATIENCE_FRAMES = 10  # so many stamps in a row that do not advance mean that the source's clock was set back
 FIRST_PERIOD_US = 33_333
+Give = Callable[[Interval | None], None]
+
+
+class UnderWay(NamedTuple):
+    """An interval whose pixels are drawn, and whose events are still behind them."""
+
+    interval: Interval
+    """As it will be, but for its events, their end, and when they are ready."""
+    events: list[NDArray[np.void]]
+    """Up to the last of the frames in between."""
+    drawn: Drawn | None
+    """From there on."""
+    give: Give
+    span_us: int
+    missed: int
+    began_s: float
 
 
 class Simulation:
@@ -76,14 +92,14 @@ class Simulation:
             *size, camera.parameters, law, seed, threads_for(*size, live=True), device
         )
         self._changes = ParameterChanges(self._simulator)
-        self._upsample: Upsample = upsample
-        self._next: Arrival | None = None  # with "cubic": what comes after the frame at hand
-        self._before: Frame | None = None  # the last two frames, as simulated
-        self._former: Frame | None = None
+        self._upsampling = Upsampling(upsample, camera)
         self._last_us: int | None = None
         self._shift_us = 0
         self._period_us = FIRST_PERIOD_US
         self._stuck = 0
+        self._under_way: UnderWay | None = None
+        self._lost: tuple[UnderWay, GivenUpError] | None = None  # its events were given up
+        self._free_s = 0.0  # since when there is time for the interval at hand
 
     @property
     def parameters(self) -> tuple[Parameters, int]:
@@ -108,30 +124,53 @@ class Simulation:
 
     def step(self, arrival: Arrival) -> Interval | None:
         """The interval that this frame ends; None for a frame that cannot be used, which is counted."""
-        if self._upsample != "cubic":
-            return self._step(arrival)
-        current, self._next = self._next, arrival
-        return None if current is None else self._step(current)
+        given: list[Interval | None] = []
+        self.follow(arrival, given.append)
+        return given[0]
+
+    def follow(self, arrival: Arrival, give: Give, more_waits: Callable[[], bool] = lambda: False) -> None:
+        """Simulate up to a frame. give: is called with what `step` returns.
+
+        more_waits: whether the next frame is there already, once the pixels of this one are drawn. Then the
+        interval is left under way, and given in the next call, while the pixels of that frame are drawn.
+        """
+        current = self._upsampling.next(arrival)
+        if current is None:
+            give(None)
+            return
+        self._step(current, give)
+        if not more_waits():
+            self.finish()
+
+    def finish(self) -> None:
+        """Give the interval that is under way, if there is one. For the thread that calls `follow`."""
+        self._report()
+        if self._lost is not None:
+            (interval, *_, give, span_us, _, _), error = self._lost
+            self._lost = None
+            give(self._given_up(interval, span_us, error))
 
     @property
     def setup(self) -> SimulationSetup:
         """What all its intervals are made with."""
         return SimulationSetup(
-            self.camera, self._law, self._simulator.seed, self._upsample, self._davis.frames
+            self.camera, self._law, self._simulator.seed, self._upsampling.how, self._davis.frames
         )
 
     def start_of(self, source: str) -> Start:
         """The sensor before the next interval. For the thread that calls `step`."""
+        self.finish()
         self._changes.take()
         return Start(
             {} if self._last_us is None else self._simulator.snapshot(),
-            follows=self._former is not None,
+            follows=self._upsampling.follows,
             parameters=self._simulator.parameters,
             parameters_version=self._changes.version,
             source=source,
         )
 
-    def _step(self, arrival: Arrival) -> Interval | None:
+    def _step(self, arrival: Arrival, give: Give) -> None:
+        """Give what `step` returns, or leave it under way."""
         t_us = arrival.frame.t_us + self._shift_us
         span_us = 0 if self._last_us is None else t_us - self._last_us
         cut = arrival.cut or self._last_us is None
@@ -139,31 +178,34 @@ class Simulation:
             self._stuck += 1
             if self._stuck <= PATIENCE_FRAMES:
                 self.out_of_order += 1
-                return None
+                self.finish()
+                give(None)
+                return
             cut = True
         image = fit(arrival.frame.image, self.camera.width, self.camera.height, arrival.fit)
-        self._changes.take(arrival.frame.gamma)
+        self._changes.take(arrival.frame.gamma, self.finish)
+        if arrival.missed and not cut:
+            self.load.dropped()
+        why = "" if cut else self.load.too_much(span_us, arrival.missed, self._overload)
+        interval: Interval | None = None
         try:
             if arrival.frame.events is not None:
-                return self._replay(image, arrival.frame.events, t_us, cut, arrival)
-            if cut:
-                return self._cut(image, arrival)
-            if arrival.missed:
-                self.load.dropped()
-            why = self._too_much(span_us, arrival.missed)
-            if why:
-                return self._skip(image, t_us, span_us, arrival, why)
-            return self._advance(image, t_us, span_us, arrival)
+                interval = self._replay(image, arrival.frame.events, t_us, cut, arrival)
+            elif cut:
+                interval = self._cut(image, arrival)
+            elif why:
+                interval = self._skip(image, t_us, span_us, arrival, why)
+            else:
+                self._draw(Frame(image, t_us), span_us, arrival, give)
+                return
         except GivenUpError as error:
-            overload = self._overload
-            why = f"more than {overload.most_events} events between two frames"
-            if not isinstance(error, TooManyEventsError):
-                why = f"one interval takes more than {overload.longest_work_s:g} s"
-            return self._skip(image, t_us, span_us, arrival, why, "given up")
+            self.finish()
+            interval = self._skip(image, t_us, span_us, arrival, self._overload.words(error), "given up")
         except ValueError as error:  # grey levels that are none; the simulator has changed nothing
             self.unusable += 1
             self.fault = one_line(error)
-            return None
+            self.finish()
+        give(interval)
 
     def _replay(
         self, image: Image, events: NDArray[np.void], t_us: int, cut: bool, arrival: Arrival
@@ -172,66 +214,75 @@ class Simulation:
         if arrival.frame.image.shape != (self.camera.height, self.camera.width):
             height, width = arrival.frame.image.shape
             raise ValueError(f"a recording of {width} x {height} pixels needs a camera of that size")
+        self.finish()
         start_us = t_us if cut or self._last_us is None else self._last_us
         if len(events):
             start_us = min(start_us, int(events["t"][0]))
         self.simulated += 1
         return self._done(events, start_us, Frame(image, t_us), arrival, "replayed")
 
-    def _advance(self, image: Image, t_us: int, span_us: int, arrival: Arrival) -> Interval:
-        frame = Frame(image, t_us)
-        steps = [*self._in_between(frame), frame]
-        start_us, began_s = self._simulator.complete_us, time.monotonic()
-        try:
-            coarser = self._coarser(span_us, arrival.missed)
-            all_events = self._events(steps, coarser)
-        finally:
-            self.load.worked(time.monotonic() - began_s, span_us, arrival.missed)
-        self._period_us = span_us // (1 + arrival.missed)
-        self.simulated += 1
-        return self._done(all_events, start_us, frame, arrival, "advanced", coarser)
+    def _draw(self, frame: Frame, span_us: int, arrival: Arrival, give: Give) -> None:
+        """The pixels up to a frame; the interval is under way then. Raises GivenUpError, ValueError."""
+        first, *others = self._upsampling.up_to(frame, self._shift_us)
+        began_s = time.monotonic()
+        until_s, left = began_s + self._overload.longest_work_s, self._overload.most_events
+        coarser = self._coarser(span_us, arrival.missed)
+        events: list[NDArray[np.void]] = []
 
-    def _events(self, steps: list[Frame], coarser: float) -> NDArray[np.void]:
-        """The events up to the last of these frames. Raises GivenUpError."""
-        events, left = [], self._overload.most_events
-        until_s = time.monotonic() + self._overload.longest_work_s
-        for step in steps:
+        def drawn(step: Frame) -> Drawn | None:
             limits = Limits(coarser, left, lambda: time.monotonic() > until_s)
-            events.append(self._simulator.advance(step.image, step.t_us, limits))
-            left -= len(events[-1])
-        return events[0] if len(events) == 1 else np.concatenate(events)
+            now = self._simulator.draw(step.image, step.t_us, limits, self._report)
+            if self._lost is not None:
+                raise self._lost[1]
+            return now
+
+        try:
+            last = drawn(first)
+            start_us = self._simulator.complete_us  # only now is the interval before over
+            for step in others:
+                events.append(self._simulator.report(last))
+                left -= len(events[-1])
+                last = drawn(step)
+        except GivenUpError:
+            self._worked(began_s, span_us, arrival.missed)
+            raise
+        self._period_us = span_us // (1 + arrival.missed)
+        interval = self._done(np.empty(0, EVENT), start_us, frame, arrival, "advanced", coarser)
+        self._under_way = UnderWay(interval, events, last, give, span_us, arrival.missed, began_s)
+
+    def _report(self) -> None:
+        """Give the interval under way, its events known now; while pixels of the next are drawn, too."""
+        under_way, self._under_way = self._under_way, None
+        if under_way is None:
+            return
+        try:
+            under_way.events.append(self._simulator.report(under_way.drawn))
+        except GivenUpError as error:
+            self._lost = under_way, error  # for `finish`: the simulator must jump, which it cannot meanwhile
+            return
+        finally:
+            self._worked(under_way.began_s, under_way.span_us, under_way.missed)
+        self.simulated += 1
+        events = under_way.events
+        under_way.give(
+            replace(
+                under_way.interval,
+                events=events[0] if len(events) == 1 else np.concatenate(events),
+                end_us=self._simulator.complete_us,
+                ready_s=time.monotonic(),
+            )
+        )
+        self._free_s = time.monotonic()
+
+    def _worked(self, began_s: float, span_us: int, missed: int) -> None:
+        """Count the time of an interval, but for what it shared with the one before."""
+        self.load.worked(time.monotonic() - max(began_s, self._free_s), span_us, missed)
 
     def _coarser(self, span_us: int, missed: int) -> float:
         """An interval in which a frame was dropped has the steps of one without: dropping it saves work."""
         pixels = self.camera.width * self.camera.height
         longest_us = self._simulator.parameters.longest_step_us
         return max(1.0 + missed, coarser(span_us, longest_us, pixels))
-
-    def _too_much(self, span_us: int, missed: int) -> str:
-        """Why an interval is not simulated; empty when it is."""
-        longest_us = self._overload.longest_interval_us
-        if missed >= MISSED_AT_LEAST and (1 + missed) * self.load.ratio > MOST_PERIODS:
-            return TOO_FAST
-        if span_us > longest_us:
-            return f"{span_us / 1e6:.3g} s between two frames, more than overload.longest_interval_us allows"
-        return ""
-
-    def _in_between(self, frame: Frame) -> Iterator[Frame]:
-        """The frames between the former one and this."""
-        if self._former is None or self._upsample in ("off", "linear"):
-            return iter(())
-        if self._upsample == "cubic":
-            return along_cubic(self._before, self._former, frame, self._after(frame))
-        steps = self._upsample if isinstance(self._upsample, int) else None
-        return along_flow(self._former, frame, steps)
-
-    def _after(self, frame: Frame) -> Frame | None:
-        """The frame that comes next, where the scene goes on to it."""
-        if self._next is None or self._next.cut:
-            return None
-        image = fit(self._next.frame.image, self.camera.width, self.camera.height, self._next.fit)
-        after = Frame(image, self._next.frame.t_us + self._shift_us)
-        return after if follows(frame, after) else None
 
     def _cut(self, image: Image, arrival: Arrival) -> Interval:
         """Go on from a frame that does not follow from the last one: no events for the change."""
@@ -247,14 +298,27 @@ class Simulation:
         self, image: Image, t_us: int, span_us: int, arrival: Arrival, why: str, how: How = "jumped"
     ) -> Interval:
         """Go on from a frame without the events up to it, which are too many, or of too long a time."""
+        self.finish()
+        self._count_skipped(span_us, why)
+        return self._jump(image, t_us, arrival, how)
+
+    def _given_up(self, interval: Interval, span_us: int, error: GivenUpError) -> Interval:
+        """One whose pixels are drawn, but whose events were given up: go on from its end."""
+        self._count_skipped(span_us, self._overload.words(error))
+        self._simulator.jump(interval.image, interval.frame_us)
+        self._upsampling.cut()
+        now_us = self._simulator.complete_us
+        return replace(interval, how="given up", start_us=now_us, end_us=now_us, ready_s=time.monotonic())
+
+    def _count_skipped(self, span_us: int, why: str) -> None:
         self.load.skipped(why)
         self.skipped += 1
         self.skipped_us += span_us
-        return self._jump(image, t_us, arrival, how)
 
     def _jump(self, image: Image, t_us: int, arrival: Arrival, how: How = "jumped") -> Interval:
+        self.finish()
         self._simulator.jump(image, t_us)
-        self._former = None
+        self._upsampling.cut()
         return self._done(np.empty(0, EVENT), self._simulator.complete_us, Frame(image, t_us), arrival, how)
 
     def _done(
@@ -267,7 +331,7 @@ class Simulation:
         coarser: float = 1.0,
     ) -> Interval:
         self._last_us = frame.t_us
-        self._before, self._former = self._former, frame
+        self._upsampling.went_on(frame)
         self._stuck = 0
         parameters = self._simulator.parameters
         beside = self._beside.until(frame.image, frame.t_us, parameters, jumped=how in ("jumped", "given up"))

@@ -16,7 +16,7 @@ from .law import Law
 from .limits import GivenUpError, Limits, TooLongError, TooManyEventsError
 from .parameters import Parameters
 from .sensor_pixels import Device, NoDeviceError
-from .simulator import Simulator
+from .simulator import Drawn, Simulator
 
 __all__ = [
     "EVENT",
@@ -24,6 +24,7 @@ __all__ = [
     "ApsFrames",
     "Camera",
     "Device",
+    "Drawn",
     "GivenUpError",
     "ImuAtRest",
     "Law",

@@ -12,6 +12,7 @@ calls, in registry order, only those that an active effect overrides.
     report    the events of an interval, on their way from the pixels to the user
 """
 
+import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -30,6 +31,7 @@ EVENT = np.dtype([("t", "<i8"), ("x", "<u2"), ("y", "<u2"), ("p", "?")])
 
 
 STRAIGHT = Bend(None, None)
+ROOM = 6.0  # standard deviations of a Poisson number: more come once in 10^9 times
 Plane = NDArray[np.float32]
 Image = NDArray[np.uint8] | Plane
 Events = NDArray[np.void]
@@ -167,6 +169,18 @@ class EventInterval:
         """Called before space is taken for so many events of an effect's own. Raises GivenUpError."""
         self.limits.admit(count)
         self.limits.hurry()
+
+    def filled(self, expected: float, fill: Callable[[Events], int]) -> Events:
+        """An effect's own events, about so many: fill(events) writes as many as there is room for, and
+        returns how many there are; it is called again where there was not enough. Raises GivenUpError."""
+        self.admit(expected)
+        events = np.empty(int(expected + ROOM * math.sqrt(expected)) + 2, EVENT)
+        count = fill(events)
+        if count > len(events):
+            self.admit(count)
+            events = np.empty(count, EVENT)
+            fill(events)
+        return events[:count]
 
     def generator(self, name: str) -> np.random.Generator:
         """Random numbers for one effect in this interval."""

@@ -1,26 +1,25 @@
-"""Arrays of events in order of time: made, sorted, merged and copied, at a few nanoseconds an event."""
+"""Arrays of events in order of time: sorted, merged and copied, at a few nanoseconds an event."""
 
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .effect import EVENT, Events
 from .kernel import kernel
 
-
-def events_at(t_us: NDArray[np.int64], pixel: NDArray[np.int64], on: NDArray[np.bool_], width: int) -> Events:
-    """Events of the pixels numbered y * width + x, sorted by time."""
-    events = np.empty(len(t_us), EVENT)
-    events["t"], events["p"] = t_us, on
-    events["y"], events["x"] = np.divmod(pixel, width)
-    return in_time_order(events)
+MOST_PLACES = 4
+"""For each event; with more, going through the empty ones takes longer than a library's sort."""
 
 
 def in_time_order(events: Events) -> Events:
     """The events sorted by time; those of the same time stay in their order."""
     if len(events) < 2:
         return events
+    first_us, last_us = _first_and_last(events)
+    if last_us - first_us < MOST_PLACES * len(events):
+        counted, places = np.empty_like(events), np.zeros(last_us - first_us + 2, np.int32)
+        _by_counting(events, first_us, places, counted)
+        return counted
     bits = len(events).bit_length()
     keys, ordered = np.empty(len(events), np.uint64), np.empty_like(events)
     _number(events, np.uint64(bits), keys)
@@ -41,6 +40,48 @@ def merged(first: Events, second: Events) -> Events:
     both = np.empty(len(first) + len(second), EVENT)
     _merge(first, second, first.view(np.uint8), second.view(np.uint8), both.view(np.uint8))
     return both
+
+
+@kernel
+def place_of(events: Any, begin: Any, t: Any) -> Any:
+    """The first place from begin on whose event is not before t; all, if there is none.
+
+    In steps that double, then by halves.
+    """
+    n, step = events.shape[0], 1
+    low = begin
+    while low + step < n and events[low + step].t < t:
+        low, step = low + step, 2 * step
+    high = min(low + step, n)
+    while low < high:
+        middle = (low + high) // 2
+        if events[middle].t < t:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@kernel
+def _first_and_last(events: Any) -> Any:
+    """Their times."""
+    earliest = latest = events[0].t
+    for i in range(events.shape[0]):
+        earliest, latest = min(earliest, events[i].t), max(latest, events[i].t)
+    return earliest, latest
+
+
+@kernel
+def _by_counting(events: Any, first: Any, places: Any, ordered: Any) -> None:
+    """places: a zero for each microsecond from the first event on, and one more."""
+    for i in range(events.shape[0]):
+        places[events[i].t - first + 1] += 1
+    for k in range(1, places.shape[0]):
+        places[k] += places[k - 1]
+    for i in range(events.shape[0]):
+        k = events[i].t - first
+        ordered[places[k]] = events[i]
+        places[k] += 1
 
 
 @kernel
@@ -65,29 +106,12 @@ def _merge(first: Any, second: Any, first_bytes: Any, second_bytes: Any, both: A
     size = both.shape[0] // (first.shape[0] + second.shape[0])
     i, j, to = 0, 0, 0
     while i < first.shape[0] or j < second.shape[0]:
-        end = _run(first, i, second[j].t + 1) if j < second.shape[0] else first.shape[0]
+        end = place_of(first, i, second[j].t + 1) if j < second.shape[0] else first.shape[0]
         _copy(first_bytes, i * size, both, to, (end - i) * size)
         to, i = to + (end - i) * size, end
-        end = _run(second, j, first[i].t) if i < first.shape[0] else second.shape[0]
+        end = place_of(second, j, first[i].t) if i < first.shape[0] else second.shape[0]
         _copy(second_bytes, j * size, both, to, (end - j) * size)
         to, j = to + (end - j) * size, end
-
-
-@kernel
-def _run(events: Any, begin: Any, t: Any) -> Any:
-    """The first place from begin on whose event is not before t: in steps that double, then by halves."""
-    n, step = events.shape[0], 1
-    low = begin
-    while low + step < n and events[low + step].t < t:
-        low, step = low + step, 2 * step
-    high = min(low + step, n)
-    while low < high:
-        middle = (low + high) // 2
-        if events[middle].t < t:
-            low = middle + 1
-        else:
-            high = middle
-    return low
 
 
 @kernel

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from .effect import EventInterval, Events, Plane, overrides
-from .event_order import copied, merged
+from .event_order import copied, merged, place_of
+from .limits import Limits
 from .parameters import Parameters
 from .sensor_pixels import SensorPixels
 
@@ -28,7 +29,7 @@ class EventStages:
     def configure(self, parameters: Parameters) -> None:
         """Take on parameters; what waits goes on."""
         self._effects = [effect for effect in parameters.effects() if overrides(effect, "report")]
-        self._any_active = any(effect.active for effect in self._effects)
+        self._active = {effect.name for effect in self._effects if effect.active}
 
     def restart(self, t_us: int, goes_on: bool) -> None:
         """Forget events on their way; goes_on: no event to come is stamped before those that have left."""
@@ -40,14 +41,16 @@ class EventStages:
     @property
     def feed_back(self) -> bool:
         """Whether events on their way change the pixels."""
-        return any(effect.active and effect.feeds_back for effect in self._effects)
+        return any(effect.name in self._active and effect.feeds_back for effect in self._effects)
 
     @property
     def see_light(self) -> bool:
         """Whether `passed` needs the light."""
-        return any(effect.active and effect.sees_light for effect in self._effects)
+        return any(effect.name in self._active and effect.sees_light for effect in self._effects)
 
-    def passed(self, events: Events, start_us: int, end_us: int, interval: int, light: Plane) -> Events:
+    def passed(
+        self, events: Events, start_us: int, end_us: int, interval: int, light: Plane, limits: Limits
+    ) -> Events:
         """What leaves the camera by end_us of the pixels' events from start_us on, and of those before.
 
         light (pixels,): what the pixels see at end_us [DN], where they `see_light`. Raises GivenUpError.
@@ -58,10 +61,12 @@ class EventStages:
         pixels = self._pixels
         voltage = pixels.voltage if self.feed_back else NO_PLANE
         readout = EventInterval(
-            pixels.sensor, start_us, end_us, interval, pixels.state, voltage, light, pixels.limits,
+            pixels.sensor, start_us, end_us, interval, pixels.state, voltage, light, limits,
         )  # fmt: skip
         for effect in self._effects:
-            if effect.active:
+            if effect.name not in self._active and effect.name not in self.waiting:
+                continue
+            if effect.name in self._active:
                 events = effect.report(events, readout)
                 readout.admit(len(events))
                 if effect.earliest_us > 0:
@@ -77,7 +82,7 @@ class EventStages:
     @property
     def idle(self) -> bool:
         """Whether events leave as they come: no effect is on, and none waits."""
-        return not (self.waiting or self._any_active)
+        return not (self.waiting or self._active)
 
     def pass_by(self, end_us: int) -> None:
         """An interval is over whose events have left as they came."""
@@ -95,12 +100,11 @@ class EventStages:
 
     def _due(self, stage: str, events: Events, readout: EventInterval) -> Events:
         """What an effect has given out, now and before, that is due in the interval; the rest waits."""
-        end_us = readout.end_us
         if stage in self.waiting:
             waiting = self.waiting.pop(stage)
             readout.admit(len(waiting) + len(events))
             events = merged(waiting, events)
-        if len(events) and events["t"][-1] > end_us:
-            due = int(np.searchsorted(np.ascontiguousarray(events["t"]), end_us, side="right"))
+        due = place_of(events, 0, readout.end_us + 1)
+        if due < len(events):
             events, self.waiting[stage] = events[:due], copied(events[due:])
         return events

@@ -32,6 +32,7 @@ class Drawn(NamedTuple):
     interval: int
     light: Plane
     """What the pixels see at its end."""
+    limits: Limits
 
 
 class Simulator:
@@ -128,8 +129,7 @@ class Simulator:
         that are negative or not finite, or a time that does not advance; and GivenUpError beyond the limits,
         with the sensor somewhere on the way to the frame: `jump` to a frame to go on.
         """
-        events = self._advanced(frame, t_us, limits, self._reported)
-        return np.empty(0, EVENT) if events is None else events
+        return self.report(self.draw(frame, t_us, limits))
 
     def advance_on_device(self, frame: Any, t_us: int, limits: Limits = NO_LIMITS) -> Any:
         """The same as `advance`, its events left on the GPU: `cuda.events.DeviceEvents`.
@@ -141,21 +141,30 @@ class Simulator:
             raise ValueError("device cpu has its events on the host: call advance")
         from .cuda.events import left_there
 
-        return left_there(self._advanced(frame, t_us, limits, self._reported_on_device))
+        drawn = self.draw(frame, t_us, limits)
+        return left_there(None if drawn is None else self._reported_on_device(drawn))
 
-    def _advanced(self, frame: Any, t_us: int, limits: Limits, reported: Callable[[Drawn], Any]) -> Any:
-        """What is reported of the interval up to a frame, None for the first."""
+    def draw(
+        self, frame: Any, t_us: int, limits: Limits = NO_LIMITS, meanwhile: Callable[[], None] = nothing
+    ) -> Drawn | None:
+        """The first half of `advance`, the pixels; None for the first frame. The other half is `report`.
+
+        meanwhile: what this thread does while others work on pixels, or else before; at most the report of
+        the interval before. Until there is one, nothing but this may be done with the sensor. Raises as
+        `advance` does; where it is ValueError, meanwhile has not been called.
+        """
         image = self._pixels.image(frame)
         if self._frame is None:
             self._jumped(image, t_us)
             return None
         try:
-            events = reported(self._drawn(image, t_us, limits))
+            drawn = self._drawn(image, t_us, limits, meanwhile)
         except GivenUpError:
             self._pixels.abandon()
             raise
-        self._reached(image, t_us)
-        return events
+        self._frame, self._t_us = image, t_us
+        self._intervals += 1
+        return drawn
 
     def stream(self, frames: Iterable[tuple[ArrayLike, int]]) -> Iterator[Events]:
         """The events of `advance` for each (frame, t_us), one after the other.
@@ -174,17 +183,15 @@ class Simulator:
 
         def report() -> None:
             while behind:
-                done.append(self._reported(behind.pop()))
+                done.append(self.report(behind.pop()))
 
         try:
             for frame, t_us in frames:
-                if self._frame is None:
-                    yield self.advance(frame, t_us)
-                    continue
-                image = self._pixels.image(frame)
-                drawn = self._drawn(image, t_us, NO_LIMITS, report)
-                self._reached(image, t_us)
-                behind.append(drawn)
+                drawn = self.draw(frame, t_us, meanwhile=report)
+                if drawn is None:
+                    yield np.empty(0, EVENT)
+                else:
+                    behind.append(drawn)
                 while done:
                     yield done.pop()
         except Exception:
@@ -194,46 +201,45 @@ class Simulator:
         report()
         yield from done
 
-    def _drawn(
-        self, image: Image, t_us: int, limits: Limits, meanwhile: Callable[[], None] = nothing
-    ) -> Drawn:
-        """All pixels at the next frame, with something else done meanwhile. Raises ValueError, with nothing
-        changed or done; GivenUpError."""
+    def _drawn(self, image: Image, t_us: int, limits: Limits, meanwhile: Callable[[], None]) -> Drawn:
+        """All pixels at the next frame. Raises ValueError, with nothing changed or done; GivenUpError."""
         assert self._frame is not None
         span_us = t_us - self._t_us
         if span_us <= 0:
             raise ValueError(f"the frame at {t_us} us does not come after the last one at {self._t_us} us")
         if span_us > LONGEST_INTERVAL_US:
             raise ValueError(f"{span_us / 3.6e9:.0f} hours between two frames: at most 38 are possible")
+        if self._threads == 1 or self._stages.feed_back:
+            meanwhile()
+            meanwhile = nothing
         self._pixels.limits = limits
         self._pixels.look(self._frame, image, float(span_us))
         self._steps(self._frame, image, span_us, limits.coarser, meanwhile)
         light = self._pixels.light if self._stages.see_light else NO_PLANE
         if self._threads > 1:
             light = light.copy()
-        return Drawn(self._pixels.take_keys(), self._t_us, t_us, self._intervals, light)
+        return Drawn(self._pixels.take_keys(), self._t_us, t_us, self._intervals, light, limits)
 
-    def _reported(self, drawn: Drawn) -> Events:
-        """The events of an interval that leave the camera. Raises GivenUpError."""
+    def report(self, drawn: Drawn | None) -> Events:
+        """The other half of `advance`: the events of what was drawn that leave the camera, in the order of
+        drawing; none for None. Raises GivenUpError: `jump` to a frame to go on."""
+        if drawn is None:
+            return np.empty(0, EVENT)
         start_us = drawn.start_us
         keys = self._pixels.host_keys(self._in_order(drawn))
         events = np.empty(keys.size, EVENT)
         unpack(keys, start_us, events["t"], events["x"], events["y"], events["p"])
-        return self._stages.passed(events, start_us, drawn.end_us, drawn.interval, drawn.light)
+        return self._stages.passed(events, start_us, drawn.end_us, drawn.interval, drawn.light, drawn.limits)
 
     def _reported_on_device(self, drawn: Drawn) -> Any:
         """The same on the GPU, or on the host behind effects that act on events."""
         if not self._stages.idle:
-            return self._reported(drawn)
+            return self.report(drawn)
         self._stages.pass_by(drawn.end_us)
         return device_events(self._in_order(drawn), drawn.start_us)
 
     def _in_order(self, drawn: Drawn) -> Any:
         return self._pixels.in_order(drawn.keys, drawn.end_us - drawn.start_us)
-
-    def _reached(self, image: Image, t_us: int) -> None:
-        self._frame, self._t_us = image, t_us
-        self._intervals += 1
 
     def jump(self, frame: ArrayLike, t_us: int) -> None:
         """Go on from another frame and time, earlier or later, with no events for the change.

@@ -10,10 +10,10 @@ from voltcam_server.bench_live import watched
 
 def test_a_daemon_is_looked_at_from_outside() -> None:
     seen = watched(48, 36, (), 1.0)
-    assert seen.simulated + seen.dropped == pytest.approx(60, abs=45)
+    assert seen.simulated + seen.lost == pytest.approx(60, abs=45)
     assert set(seen.stages) == {"waiting", "simulating", "leaving"}
     assert min(seen.stages.values()) >= 0
-    assert len(seen.ages) > 10
+    assert seen.ages == sorted(seen.ages)
     assert 0 < np.median(seen.ages) < 5000
     assert min(seen.ways) >= 0
 

@@ -78,8 +78,8 @@ def test_a_scene_that_stands_still_still_sends(tmp_path: Path) -> None:
 def test_when_the_simulation_is_slow_the_newest_frame_wins(monkeypatch: pytest.MonkeyPatch) -> None:
     with emulating(SCENE) as (emulator, listener):
         listener.wait(lambda it: it.frames)
-        step, slow = emulator.simulation.step, threading.Event()
-        monkeypatch.setattr(emulator.simulation, "step", lambda frame: (slow.wait(), step(frame))[1])
+        follow, slow = emulator.simulation.follow, threading.Event()
+        monkeypatch.setattr(emulator.simulation, "follow", lambda *given: (slow.wait(), follow(*given))[1])
         dropped = emulator.status.frames.dropped
         until(lambda: emulator.status.frames.dropped >= dropped + 20, "frames are dropped")
         slow.set()
@@ -140,14 +140,14 @@ def test_no_thread_is_left() -> None:
     until(lambda: set(threading.enumerate()) <= before, "all threads end")
 
 
-def broken(_: object) -> None:
+def broken(*_: object) -> None:
     raise RuntimeError("a bug")
 
 
 def test_an_error_of_ours_is_reported() -> None:
     failed = threading.Event()
     emulator = Emulator(tiny(), SCENE, on_failure=failed.set)
-    emulator.simulation.step = broken  # type: ignore[method-assign,assignment]
+    emulator.simulation.follow = broken  # type: ignore[method-assign,assignment]
     emulator.start()
     assert failed.wait(PATIENCE_S)
     emulator.stop()

@@ -67,7 +67,7 @@ def _camera(name: str, **changes: Any) -> SimpleNamespace:
     emulator = Emulator(tiny(), SCENE)
     emulator.stages.labels("simulating").observe(0.03)
     status = emulator.status.model_copy(update=changes)
-    return SimpleNamespace(name=name, emulator=SimpleNamespace(status=status, stages=emulator.stages))
+    return SimpleNamespace(name=name, emulator=SimpleNamespace(status=status, histograms=emulator.histograms))
 
 
 def test_each_camera_has_its_own_samples() -> None:
@@ -78,6 +78,7 @@ def test_each_camera_has_its_own_samples() -> None:
     assert found["voltcam_events_total", "right"] == 7
     assert found["voltcam_stage_seconds_count", "left", "simulating"] == 1
     assert found["voltcam_stage_seconds_sum", "right", "simulating"] == pytest.approx(0.03)
+    assert found["voltcam_sent_age_seconds_count", "left"] == 0
 
 
 @pytest.mark.parametrize("state", STATES)

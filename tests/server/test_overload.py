@@ -150,8 +150,8 @@ def test_a_camera_recovers_from_thresholds_that_were_turned_down() -> None:
 def test_a_stall_is_said() -> None:
     with emulating(SCENE) as (emulator, _):
         until(lambda: state(emulator) == "running", "it runs")
-        step, go = emulator.simulation.step, threading.Event()
-        emulator.simulation.step = lambda frame: (go.wait(20), step(frame))[1]  # type: ignore[method-assign]
+        follow, go = emulator.simulation.follow, threading.Event()
+        emulator.simulation.follow = lambda *given: (go.wait(20), follow(*given))[1]  # type: ignore[method-assign]
         until(lambda: state(emulator) == "stalled", "the stall is said")
         assert emulator.status.latency.age_ms > 2000
         go.set()

@@ -115,6 +115,16 @@ def test_leaving_is_a_stage(transports: list[Kept]) -> None:
     assert (count.labels, count.value) == ({"stage": "leaving"}, 1)
 
 
+def test_ages_are_counted_as_packets_leave(transports: list[Kept]) -> None:
+    publish = publisher(transports)
+    for age_s in (0.0045, 3.0):
+        now = interval(GREY, age_s=age_s)
+        publish.send_events(now, Slice(now.events, now.start_us, now.frame_us))
+    samples = [sample for metric in publish.ages.collect() for sample in metric.samples]
+    below = {float(s.labels["le"]): s.value for s in samples if s.name.endswith("bucket")}
+    assert (below[0.004], below[1.0], below[5.0], below[float("inf")]) == (0, 1, 2, 2)
+
+
 def test_any_message_goes_to_all_transports(transports: list[Kept]) -> None:
     publisher(transports).publish(status_message({"load": 1}))
     assert [transport.statuses for transport in transports] == [[{"load": 1}]] * 2

@@ -69,14 +69,14 @@ def test_before_the_first_frame_it_waits_and_says_for_what(running: Running) -> 
 
 def test_of_frames_that_nobody_waits_for_the_newest_wins(running: Running) -> None:
     emulator, _, url = running
-    step, held = emulator.simulation.step, []
+    follow, held = emulator.simulation.follow, []
 
-    def slowly(arrival: Any) -> Any:
+    def slowly(arrival: Any, *rest: Any) -> Any:
         held.append(arrival.missed)
         time.sleep(0.2)
-        return step(arrival)
+        return follow(arrival, *rest)
 
-    emulator.simulation.step = slowly  # type: ignore[method-assign]
+    emulator.simulation.follow = slowly  # type: ignore[method-assign]
     with FrameSender(url) as sender:
         for number in range(40):
             sender.send(FRAMES[number % 10], 10_000 * number, wait=False)

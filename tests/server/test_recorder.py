@@ -29,7 +29,7 @@ def test_a_recording_holds_what_was_sent(tmp_path: Path) -> None:
         with pytest.raises(UsageError, match="end that recording first"):
             emulator.record(RecordingPlan(tmp_path / "other.npz"))
         count = len(listener.frames)
-        listener.wait(lambda it: len(it.frames) >= count + 10)
+        listener.wait(lambda it: len(it.frames) >= count + 20)
         done = emulator.end_recording()
         assert (done.recording, done.error) == (False, None)
         with pytest.raises(RecordingError, match="exists already"):
@@ -85,7 +85,7 @@ def test_ending_the_daemon_finishes_the_recording(tmp_path: Path) -> None:
     with emulating(SCENE) as (emulator, listener):
         emulator.record(RecordingPlan(path))
         count = len(listener.frames)
-        listener.wait(lambda it: len(it.frames) > count + 10)
+        listener.wait(lambda it: len(it.frames) > count + 20)
     assert verify(path).difference == ""
     assert Manifest.read(path).end["ended"] == "it was ended"
     recording = read(path)

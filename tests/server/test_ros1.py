@@ -147,13 +147,13 @@ def test_frames_that_come_too_fast_are_counted(running: Running, ros1: Ros1) -> 
     with publishing(ros1) as publisher:
         publisher.image(0, FRAMES[0])
         simulated(listener, 1)
-        step = emulator.simulation.step
+        follow = emulator.simulation.follow
 
-        def slowly(arrival: Any) -> Any:
+        def slowly(arrival: Any, *rest: Any) -> Any:
             until(lambda: emulator.status.frames.received >= 40, "all have come")
-            return step(arrival)
+            return follow(arrival, *rest)
 
-        emulator.simulation.step = slowly  # type: ignore[method-assign]
+        emulator.simulation.follow = slowly  # type: ignore[method-assign]
         for number in range(1, 41):
             publisher.image(10_000 * number, FRAMES[number % 10])
         listener.wait(lambda it: it.frames[-1].t_us == 400_000)

@@ -118,13 +118,13 @@ def test_compressed_images() -> None:
 
 def test_images_that_come_too_fast_are_counted(running: Running, topic: str) -> None:
     emulator, listener = running
-    step = emulator.simulation.step
+    follow = emulator.simulation.follow
 
-    def slowly(arrival: Any) -> Any:
+    def slowly(arrival: Any, *rest: Any) -> Any:
         time.sleep(0.1)
-        return step(arrival)
+        return follow(arrival, *rest)
 
-    emulator.simulation.step = slowly  # type: ignore[method-assign]
+    emulator.simulation.follow = slowly  # type: ignore[method-assign]
     writer = hostile(topic)
     for number in range(60):
         assert writer.write(cdr(10_000 * (1 + number), FRAMES[number % 10].tobytes()))

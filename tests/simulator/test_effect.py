@@ -7,7 +7,7 @@ import pytest
 from pydantic import ValidationError
 
 from voltcam_simulator import EVENT, Limits
-from voltcam_simulator.effect import About, Band, Effect, EventInterval, Sensor, overrides, quantity
+from voltcam_simulator.effect import About, Band, Effect, EventInterval, Events, Sensor, overrides, quantity
 from voltcam_simulator.limits import TooLongError, TooManyEventsError
 
 
@@ -113,6 +113,16 @@ def test_an_interval_has_numbers_of_its_own_for_each_effect() -> None:
     assert len(set(firsts.values())) == len(keys) == 4
     assert interval(1).generator("b").random() == firsts[1, "b"]
     assert interval(1).key("b") in keys
+
+
+@pytest.mark.parametrize("count", [0, 3, 12, 1000])
+def test_an_effect_has_room_for_all_its_events_however_many_are_expected(count: int) -> None:
+    def fill(events: Events) -> int:
+        events["x"] = np.arange(len(events))
+        return count
+
+    events = interval().filled(4.0, fill)
+    assert events["x"].tolist() == list(range(count))
 
 
 def test_no_space_is_taken_beyond_the_limits() -> None:

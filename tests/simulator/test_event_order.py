@@ -5,7 +5,7 @@ import pytest
 
 from voltcam_simulator import EVENT
 from voltcam_simulator.effect import Events
-from voltcam_simulator.event_order import copied, events_at, in_time_order, merged
+from voltcam_simulator.event_order import copied, in_time_order, merged
 
 
 def some(count: int, seed: int, span_us: int = 50) -> Events:
@@ -30,14 +30,17 @@ def test_merging_is_sorting_both_with_the_first_s_first(first: int, second: int)
     np.testing.assert_array_equal(merged(one, other), both[np.argsort(both["t"], kind="stable")])
 
 
-def test_pixels_are_numbered_row_by_row() -> None:
-    events = events_at(np.array([7, 3]), np.array([13, 4]), np.array([True, False]), width=5)
-    assert events.tolist() == [(3, 4, 0, False), (7, 3, 2, True)]
-
-
 def test_a_copy_is_on_memory_of_its_own() -> None:
     events = some(10, 3)
     copy = copied(events)
     np.testing.assert_array_equal(copy, events)
     copy["x"] = 99
     assert events["x"].tolist() == list(range(10))
+
+
+@pytest.mark.parametrize("span_us", [1, 3000, 100_000])
+def test_sorting_does_not_depend_on_how_dense_events_are(span_us: int) -> None:
+    events = some(1000, 7, span_us)
+    events["t"] += 1_700_000_000_000_000
+    expected = events[np.argsort(events["t"], kind="stable")]
+    np.testing.assert_array_equal(in_time_order(events), expected)

@@ -97,6 +97,10 @@ class WebSocketTransport(Transport):
         self._clients: list[_Client] = []  # replaced, never changed: the thread iterates over it
         self._sent = self._lost = 0  # by the outbox, and clients that have left
 
+    @property
+    def _has_audience(self) -> bool:
+        return bool(self._clients)
+
     async def serve(self, websocket: WebSocket, topic: bytes, encoding: str, bundle_ms: float = 0) -> None:
         """Accept a client and send it all messages of a topic until it leaves.
 

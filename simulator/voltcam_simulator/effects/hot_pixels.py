@@ -1,11 +1,14 @@
 """Pixels that fire by themselves, whatever they see."""
 
-from typing import ClassVar
+import math
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ..effect import About, Effect, EventInterval, Events, Sensor, quantity
-from ..event_order import events_at, merged
+from ..event_order import in_time_order, merged
+from ..kernel import kernel
+from ..random import sequence, uniform
 
 FASTEST_HZ = 1e6  # a pixel fires once in a microsecond at most: stamps are no finer
 
@@ -46,15 +49,35 @@ class HotPixels(Effect):
         hot = slice(round(self.fraction * pixels))
         alive = np.isfinite(sensor.theta_on.ravel()[pixel[hot]])
         rate_hz = alive * np.minimum(self.rate_hz * 10 ** (self.spread_decades * spread[hot]), FASTEST_HZ)
-        sensor.own[self.name] = {"pixel": pixel[hot], "rate_hz": rate_hz}
+        sensor.own[self.name] = {"pixel": pixel[hot], "rate_per_us": 1e-6 * rate_hz}
 
     def report(self, events: Events, readout: EventInterval) -> Events:
-        hot, rng = readout.sensor.own[self.name], readout.generator(self.name)
-        counts = rng.poisson(hot["rate_hz"] * readout.span_us * 1e-6)
-        if not counts.any():  # the rule where frames are many and pixels few: save ten calls
-            return events
-        readout.admit(counts.sum())
-        pixel = np.repeat(hot["pixel"], counts)
-        t_us = rng.integers(readout.start_us, readout.end_us, len(pixel))
-        on = rng.random(len(pixel)) < self.on_share
-        return merged(events, events_at(t_us, pixel, on, readout.sensor.width))
+        hot, sensor, span_us = readout.sensor.own[self.name], readout.sensor, readout.span_us
+        key, rate_per_us = readout.key(self.name), hot["rate_per_us"]
+        return merged(events, in_time_order(readout.filled(
+            float(rate_per_us.sum()) * span_us,
+            lambda own: fire(
+                key, hot["pixel"], rate_per_us, self.on_share, readout.start_us, span_us, sensor.width, own
+            ),
+        )))  # fmt: skip
+
+
+@kernel
+def fire(
+    key: Any, pixel: Any, rate: Any, on_share: Any, start: Any, span: Any, width: Any, events: Any
+) -> Any:
+    """Each pixel's events of a span, after waits that are exponential; rate [1/us]. Returns how many there
+    are, of which events has as many as it takes."""
+    count = 0
+    for i in range(pixel.shape[0]):
+        state, u = uniform(sequence(key, i))
+        t = -math.log(u) / rate[i]
+        while t < span:
+            state, u = uniform(state)
+            if count < events.shape[0]:
+                events[count].t, events[count].p = start + np.int64(t), u < on_share
+                events[count].x, events[count].y = pixel[i] % width, pixel[i] // width
+            count += 1
+            state, u = uniform(state)
+            t -= math.log(u) / rate[i]
+    return count

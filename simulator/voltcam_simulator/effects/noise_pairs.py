@@ -1,11 +1,14 @@
 """Noise at rest comes in pairs: an event, and soon after it one of the other polarity."""
 
-from typing import ClassVar
+import math
+from typing import Any, ClassVar
 
 import numpy as np
 
-from ..effect import About, Effect, EventInterval, Events, quantity
-from ..event_order import events_at, merged
+from ..effect import About, Effect, EventInterval, Events, Sensor, quantity
+from ..event_order import in_time_order, merged
+from ..kernel import kernel
+from ..random import uniform
 
 
 class NoisePairs(Effect):
@@ -41,20 +44,46 @@ class NoisePairs(Effect):
     def active(self) -> bool:
         return self.rate_hz > 0
 
+    def prepare(self, sensor: Sensor) -> None:
+        sensor.own[self.name] = {"alive": np.isfinite(sensor.theta_on).ravel()}
+
     def report(self, events: Events, readout: EventInterval) -> Events:
-        rng, sensor = readout.generator(self.name), readout.sensor
-        pixels = sensor.width * sensor.height
-        number = rng.poisson(self.rate_hz * pixels * readout.span_us * 1e-6)
-        readout.admit(2 * number)
-        pixel = rng.integers(0, pixels, number)
-        dark = rng.random(len(pixel)) * (1 + readout.light[pixel] / self.half_dn) < 1
-        alive = np.isfinite(sensor.theta_on.ravel()[pixel])
-        pixel = pixel[dark & alive]
-        if not pixel.size:
-            return events
-        first_us = rng.integers(readout.start_us, readout.end_us, len(pixel))
-        wait_us = sensor.refractory_us + rng.exponential(self.interval_us, len(pixel))
-        on = rng.random(len(pixel)) < 0.5
-        t_us = np.concatenate([first_us, first_us + np.ceil(wait_us).astype(np.int64)])
-        pairs = events_at(t_us, np.tile(pixel, 2), np.concatenate([on, ~on]), sensor.width)
-        return merged(events, pairs)
+        sensor, span_us, key = readout.sensor, readout.span_us, readout.key(self.name)
+        rate_per_us = 1e-6 * self.rate_hz * sensor.width * sensor.height
+        return merged(events, in_time_order(readout.filled(
+            2 * rate_per_us * span_us,
+            lambda own: fire_pairs(
+                key, rate_per_us, readout.light, sensor.own[self.name]["alive"], self.half_dn,
+                sensor.refractory_us, self.interval_us, readout.start_us, span_us, sensor.width, own,
+            ),
+        )))  # fmt: skip
+
+
+@kernel
+def fire_pairs(
+    key: Any, rate: Any, light: Any, alive: Any, half: Any, dead: Any, wait: Any, start: Any, span: Any,
+    width: Any, events: Any,
+) -> Any:  # fmt: skip
+    """The pairs that begin in a span: as many as in the dark, rate [1/us] for all pixels, then fewer where
+    it is bright. Returns how many events there are, of which events has as many as it takes."""
+    count, pixels = 0, light.shape[0]
+    state, u = uniform(key)
+    t = -math.log(u) / rate
+    while t < span:
+        state, u = uniform(state)
+        pixel = min(np.int64(u * pixels), pixels - 1)
+        state, u = uniform(state)
+        if alive[pixel] and u * (1.0 + light[pixel] / half) < 1.0:
+            state, u = uniform(state)
+            state, on = uniform(state)
+            if count + 1 < events.shape[0]:
+                first = start + np.int64(t)
+                events[count].t, events[count].p = first, on < 0.5
+                events[count + 1].t = first + np.int64(math.ceil(dead - wait * math.log(u)))
+                events[count + 1].p = on >= 0.5
+                for k in range(count, count + 2):
+                    events[k].x, events[k].y = pixel % width, pixel // width
+            count += 2
+        state, u = uniform(state)
+        t -= math.log(u) / rate
+    return count

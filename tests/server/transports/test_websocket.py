@@ -24,6 +24,7 @@ from voltcam_client.packet import (
 )
 from voltcam_server.messages import Message, events_message, frame_message
 from voltcam_server.transports import WebSocketTransport
+from voltcam_server.transports.transport import OUTBOX_BYTES
 from voltcam_server.transports.websocket import MOST_CLIENTS
 
 from ..rig import PATIENCE_S, until, web_server
@@ -180,3 +181,10 @@ def test_so_many_clients_and_no_more(running: Running) -> None:
     until(lambda: not running.transport.status.clients, "they have gone")
     with running.client("/events"):
         pass
+
+
+def test_without_clients_nothing_waits_and_nothing_is_dropped() -> None:
+    transport = WebSocketTransport("here")  # its thread is not started
+    for _ in range(3):
+        transport.publish(Message(TOPIC_EVENTS, OUTBOX_BYTES, lambda _: (b"",)))
+    assert transport.status.packets_dropped == 0
