@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from tests.generator import Film, Recorded, Scene, draw_scene, record
-from tests.generator.fine_scene import draw_fine_scene
+from tests.generator import Film, Recorded, Scene, draw_fine_scene, draw_scene, record
 
 from voltcam_client.formats import Recording
 from voltcam_lab.recordings import Footage, with_frames
