@@ -2,9 +2,11 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-# Of hidden-effects: where seeds begin (else where the report's do); a pattern of case names; processes at a time.
+# Of hidden-effects and pairs: where seeds begin (else where the report's do); processes at a time. CASES: case names.
 SEED ?=
 CASES ?= *
+# Of pairs: how many.
+PAIRS ?= 20
 JOBS ?= 2
 
 # Of patches: how many changes of parameters.
@@ -26,7 +28,7 @@ STUDY ?=
 STRICT := --fresh-env --nitpicky --fail-on-warning --keep-going --quiet
 
 .PHONY: run test check docs docs-serve format dist clean hidden-effects patches soak fuzz v4l2 interop
-.PHONY: calibration-table dataset-campaign study-reconstruction
+.PHONY: calibration-table dataset-campaign study-reconstruction pairs presets
 
 run: .venv/installed-server
 	$(BIN)/voltcam serve
@@ -66,6 +68,15 @@ hidden-effects: .venv/installed-dev
 # Goes on where it was interrupted; recordings are in the folder VOLTCAM_DATA.
 study-reconstruction: .venv/installed-learn
 	nice -n 10 $(BIN)/python -m tests.reconstruction_study $(if $(PHOTOGRAPHS),--photographs '$(PHOTOGRAPHS)') $(STUDY)
+
+# One camera, two recordings: calibrated on the first, judged on the second. Goes on where it was interrupted.
+pairs: .venv/installed-dev
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 nice -n 10 \
+		$(BIN)/python -m tests.pairs_study $(if $(SEED),--seed $(SEED)) --count $(PAIRS) --jobs $(JOBS)
+
+# Needs slider_depth and davis346_street in the folder VOLTCAM_DATA.
+presets: .venv/installed-dev
+	$(BIN)/python -m tests.campaigns.presets
 
 fuzz: .venv/installed-dev
 	$(BIN)/python -m tests.campaigns.fuzz --seconds $(SECONDS) $(if $(SEED),--seed $(SEED))

@@ -32,8 +32,9 @@ def _some_pixels(wires: Wires, fraction: float, rng: Generator) -> NDArray[np.in
 
 def _hot(events: Floats, p: Parameters, wires: Wires, rng: Generator) -> Floats:
     """Poisson events on top of the pixel's own, at rates exponential over the hot pixels."""
-    pixels = _some_pixels(wires, p["fraction"], rng)
-    rate = 5 + rng.exponential(p["mean_hz"] - 5, len(pixels))
+    fixed = wires.fixed or rng
+    pixels = _some_pixels(wires, p["fraction"], fixed)
+    rate = 5 + fixed.exponential(p["mean_hz"] - 5, len(pixels))
     wires.patterns["hot_pixels"], wires.patterns["hot_hz"] = pixels, rate
     own = np.repeat(np.arange(len(pixels)), rng.poisson(rate * wires.end_us * 1e-6))
     t = rng.uniform(0, wires.end_us, own.size)
@@ -42,7 +43,7 @@ def _hot(events: Floats, p: Parameters, wires: Wires, rng: Generator) -> Floats:
 
 
 def _dead(events: Floats, p: Parameters, wires: Wires, rng: Generator) -> Floats:
-    pixels = wires.patterns["dead_pixels"] = _some_pixels(wires, p["fraction"], rng)
+    pixels = wires.patterns["dead_pixels"] = _some_pixels(wires, p["fraction"], wires.fixed or rng)
     silent = np.zeros(wires.shape, bool)
     silent[pixels[:, 1], pixels[:, 0]] = True
     heard = ~silent[events[:, 2].astype(int), events[:, 1].astype(int)]

@@ -37,18 +37,22 @@ def record(
     eight_bit: bool = True,
     step_us: float = 200.0,
     film: Film = STRAIGHT,
+    camera_seed: int | None = None,
 ) -> Recorded:
-    """seed: of all noise and of fixed patterns. film: what the frames get wrong. step_us: at most 400."""
+    """seed: of all noise. camera_seed: of fixed patterns, which recordings of one camera share; None: seed.
+    film: what the frames get wrong. step_us: at most 400."""
     if not 0 < step_us <= 400:
         raise ValueError(f"step_us={step_us}: take at most 400, pulses shorter than a step would be lost")
     streams = np.random.SeedSequence(seed).spawn(2 + 2 * len(effects))
     rngs = [np.random.default_rng(stream) for stream in streams]
+    own = [] if camera_seed is None else np.random.default_rng(camera_seed).spawn(2 * len(effects))
     frame_t_us = np.round(np.arange(int(seconds * fps + 1e-9) + 1) * 1e6 / fps).astype(np.int64)
     wires = plain(base, scene, seconds, step_us, frame_t_us)
     for n, effect in enumerate(effects):
-        wire(wires, effect, rngs[2 + 2 * n])
+        wire(wires, effect, own[2 * n] if own else rngs[2 + 2 * n])
     raw = events_of(wires, scene, step_us, rngs[0])
     for n, effect in enumerate(effects):
+        wires.fixed = own[2 * n + 1] if own else None
         raw = read_out(raw, effect, wires, rngs[3 + 2 * n])
     truth = {
         "base": asdict(base),

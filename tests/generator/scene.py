@@ -4,7 +4,7 @@ A textured plane slides and turns behind a static shading; hard-edged discs fly 
 hang static cards of every brightness. All motion keeps one schedule: each half second has all three paces.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -43,6 +43,13 @@ class Scene:
     def radiance(self, t_us: NDArray[np.int64] | Floats) -> Singles:
         """(times, height, width) in DN."""
         return np.asarray(paint(self.poses(t_us), self.canvas))
+
+    def lit(self, factor: float) -> "Scene":
+        """The same, with so many times the light."""
+        canvas = self.canvas
+        card = np.where(canvas.card >= 0, factor * canvas.card, canvas.card).astype(np.float32)
+        shading, discs = (factor * canvas.shading).astype(np.float32), factor * canvas.disc_dn
+        return replace(self, canvas=canvas._replace(shading=shading, card=card, disc_dn=discs))
 
 
 def draw_scene(rng: np.random.Generator, width: int = 48, height: int = 36, seconds: float = 12.0) -> Scene:

@@ -36,6 +36,7 @@ class Wires:
     frame_t_us: NDArray[np.int64]
     kick_us: Floats = field(default_factory=lambda: np.zeros((0, 2)))
     patterns: dict[str, Any] = field(default_factory=dict)  # for the record's truth
+    fixed: np.random.Generator | None = None  # of patterns that are drawn at the readout; None: as its noise
 
     @property
     def shape(self) -> tuple[int, int]:

@@ -23,11 +23,7 @@ from voltcam_simulator import Camera, Parameters
 # What a camera file knows: published sets (DVS-Voltmeter, ECCV 2022), thresholds of other makes.
 _PUBLISHED: dict[str, tuple[str, dict[str, dict[str, Any]]]] = {
     "davis346": ("paper", {}),
-    "davis240c": ("paper", {
-        "contrast_response": {"k1": 4.42411, "k2_dn": 23},
-        "photon_noise": {"k3": 2e-4},
-        "parasitic_photocurrent": {"k5_per_dn_us": 5e-8},
-    }),
+    "davis240c": ("paper240c", {}),
     "esim": ("ideal", {"contrast_response": {"k1": 4, "k2_dn": 0.3}}),
     "v2e": ("ideal", {"contrast_response": {"k1": 5, "k2_dn": 0.3}}),
 }  # fmt: skip

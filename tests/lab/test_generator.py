@@ -173,3 +173,26 @@ def test_scenes_that_never_rest_are_continuous_light(draw: Callable[..., Scene])
     assert 0 < half < 0.6 * whole
     assert whole < 0.1 * later
     assert np.abs(other.radiance(np.array([0])) - images[0]).mean() > 1
+
+
+def test_recordings_of_one_camera_share_its_patterns() -> None:
+    scene, base = draw_scene(np.random.default_rng(5), 24, 24), draw_base(np.random.default_rng(5))
+    rng = np.random.default_rng(6)
+    names = ("threshold_mismatch", "hot_pixels", "dead_pixels")
+    effects = [draw_effect(rng, name, "strong") for name in names]
+    one, other = (record(scene, base, effects, 1, seed=seed, camera_seed=9) for seed in (1, 2))
+    for name, pattern in one.truth["patterns"].items():
+        assert np.array_equal(pattern, other.truth["patterns"][name]), name
+    hot = one.truth["patterns"]["hot_pixels"][0]
+    times = [r.events["t"][(r.events["x"] == hot[0]) & (r.events["y"] == hot[1])] for r in (one, other)]
+    assert not np.array_equal(*times)  # fires at other times
+    third = record(scene, base, effects, 1, seed=1, camera_seed=8)
+    assert not np.array_equal(
+        third.truth["patterns"]["theta_on_factor"], one.truth["patterns"]["theta_on_factor"]
+    )
+
+
+def test_light_scales_all_of_a_scene() -> None:
+    scene = draw_scene(np.random.default_rng(5), 24, 24)
+    t_us = np.array([0, 700_000])
+    assert scene.lit(0.5).radiance(t_us) == pytest.approx(0.5 * scene.radiance(t_us), rel=1e-5)

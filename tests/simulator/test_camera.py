@@ -23,6 +23,19 @@ def test_the_published_set(name: str) -> None:
     assert p == Parameters.of(name)
 
 
+def test_the_published_set_of_the_other_camera() -> None:
+    camera = Camera.load("paper240c")
+    p = camera.parameters
+    k = (
+        p.contrast_response.k1, p.contrast_response.k2_dn, p.photon_noise.k3, p.junction_leak.k4_per_us,
+        p.parasitic_photocurrent.k5_per_dn_us, p.leak_noise.k6,
+    )  # fmt: skip
+    assert (camera.width, camera.height, *k) == (240, 180, 4.42411, 23, 2e-4, 1e-7, 5e-8, 1e-5)
+    assert {effect.name for effect in p.effects() if effect.active} == {
+        effect.name for effect in Parameters.of("paper").effects() if effect.active
+    }
+
+
 @pytest.mark.parametrize(("name", "size"), [("davis346", (346, 260)), ("davis240c", (240, 180))])
 def test_the_cameras_that_were_measured(name: str, size: tuple[int, int]) -> None:
     """Light that grows 1.5 times on a bright pixel is an ON event or more, and its loss an OFF event."""
@@ -34,6 +47,16 @@ def test_the_cameras_that_were_measured(name: str, size: tuple[int, int]) -> Non
     )
     assert 0.5 < steps / p.comparator.theta_on < 3
     assert 0.5 < steps / p.comparator.theta_off < 3
+
+
+@pytest.mark.parametrize("name", ["davis346", "davis240c"])
+def test_nothing_of_a_recording_is_in_a_preset(name: str) -> None:
+    """Frames of other sources have another period, other stamps, and are light."""
+    p = Parameters.of(name)
+    assert not p.aps_coupling.active
+    assert not p.arbiter_scan.active
+    assert not p.input_response.active
+    assert p.latency.delay_us < 1000
 
 
 @pytest.mark.parametrize("name", camera_names())

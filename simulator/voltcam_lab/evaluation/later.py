@@ -34,9 +34,7 @@ def later_part(
     """By protocol: the calibrated camera, and noise-free and published pixels with thresholds fitted to the
     first part's totals. Raises ValueError as `yardstick_of` and `camera_from` do."""
     footage, whole = inspection.footage, yardstick_of(inspection, name)
-    t_us = footage.frame_t_us
-    span_us = int(t_us[-1] - t_us[0])
-    change_us = int(t_us[0]) + int(max(FIRST * span_us, min(SHORTEST_US, MOST * span_us)))
+    change_us, t_us = change_of(footage), footage.frame_t_us
     progress("calibrating on the first part")
     first = first_part(footage, change_us)
     camera = camera_from(inspect(first), report=progress).camera
@@ -47,6 +45,13 @@ def later_part(
     shown = Region.whole(footage.width, footage.height, int(t_us[0]), int(t_us[-1])).on(~inspection.hot)
     regions = {CUT: whole.region.during(later), ALL: shown.during(later)}
     return {title: judged(inspection, simulated, region, name, progress) for title, region in regions.items()}
+
+
+def change_of(footage: Footage) -> int:
+    """When the first part ends and the later one begins [us]."""
+    begin_us, end_us = int(footage.frame_t_us[0]), int(footage.frame_t_us[-1])
+    span_us = end_us - begin_us
+    return begin_us + int(max(FIRST * span_us, min(SHORTEST_US, MOST * span_us)))
 
 
 def first_part(footage: Footage, end_us: int) -> Footage:
