@@ -10,9 +10,18 @@ from voltcam_simulator import EVENT, Parameters, Simulator
 
 from .scenes import Events, only, watch_still
 
+KICKS = {
+    "after_on": st.sampled_from([-3.0, 0.2]),
+    "after_off": st.sampled_from([-0.4, 0.0, 3.0]),
+    "chance": st.sampled_from([0.3, 1.0]),
+    "delay_us": st.sampled_from([0, 700, 100_000]),
+    "spread_decades": st.sampled_from([0, 1.0]),
+}
 REPORTS: dict[str, dict[str, st.SearchStrategy[float]]] = {
     "hot_pixels": {"fraction": st.sampled_from([0.01, 1.0]), "rate_hz": st.sampled_from([1, 5000])},
     "noise_pairs": {"rate_hz": st.sampled_from([1, 500]), "interval_us": st.sampled_from([1, 1000, 1e6])},
+    "residual_kick": KICKS,
+    "residual_coupling": KICKS,
     "crosstalk": {"coupling": st.sampled_from([0.01, 0.25])},
     "latency": {"delay_us": st.sampled_from([0, 100, 50_000]), "jitter_us": st.sampled_from([0, 10, 5000])},
     "readout": {"row_us": st.sampled_from([0, 0.3, 200]), "event_us": st.sampled_from([0, 0.083, 100])},

@@ -1,7 +1,7 @@
 """What the firing of a pixel may depend on, of each event as the number of a bin."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from voltcam_simulator.effect import Events
 
 from ..light.frame_light import FrameLight
+from .clock import Clock
 from .past import past_of
 
 Bins = NDArray[np.int64]
-Kind = Literal["own past", "neighbours", "row", "column", "bus", "clock", "slow time", "light"]
+Kind = Literal["own past", "neighbours", "row", "column", "bus", "clock", "slow time", "pixel", "light"]
 
 DECADES_PER_BIN = 0.15
 PAST_DECADES = 7
@@ -52,6 +53,12 @@ COVARIATES = (
     Covariate("y", "row", "which row it is", LINES),
     Covariate("x", "column", "which column it is", LINES),
 )
+PATCHES_ACROSS, PATCHES_DOWN, LATTICE = 8, 6, 4
+FINER = (
+    Covariate("patch", "pixel", "which part of the sensor it is, row by row", PATCHES_ACROSS * PATCHES_DOWN),
+    Covariate("lattice", "pixel", "place in a lattice of 4 x 4 pixels, row by row", LATTICE**2),
+)
+"""Beside the others where it is asked which pixel it is."""
 LIGHT = Covariate("light", "light", "brightness and its change", BRIGHTNESSES * CHANGES)
 
 
@@ -62,13 +69,25 @@ def past_edges_us() -> NDArray[np.float64]:
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """What is the same for the streams that are compared: the sensor, its frames, classes of the light."""
+    """What is the same for the streams that are compared: the sensor, its frames, classes of the light.
+
+    covariates: what is looked at beside the light. clock: one that was found, for that of its name.
+    """
 
     width: int
     height: int
     light: FrameLight
     brightness_dn: NDArray[np.float64]
     change_per_s: NDArray[np.float64]
+    covariates: tuple[Covariate, ...] = COVARIATES
+    clock: Clock | None = None
+
+    def finer(self, clock: Clock | None) -> "Look":
+        """With which pixel it is, and with the phase of a clock that a scan has found."""
+        covariates = (*COVARIATES, *FINER)
+        if clock is not None:
+            covariates = (*covariates, Covariate("clock", "clock", f"phase of {clock}", PHASES))
+        return replace(self, covariates=covariates, clock=clock)
 
     @classmethod
     def at(cls, real: Events, width: int, height: int, light: FrameLight) -> "Look":
@@ -84,14 +103,20 @@ class Look:
         found = {name: _past_bins(getattr(past, name)) for name in PASTS}
         found["order"] = _order(events)
         found |= self._places(events) | {"light": self._light(events)}
-        sizes = {each.name: each.size for each in (*COVARIATES, LIGHT)}
+        if self.clock is not None:
+            found["clock"] = _cut(self.clock.turn(events), PHASES)
+        sizes = {each.name: each.size for each in (*COVARIATES, *FINER, *self.covariates, LIGHT)}
         return {name: on * sizes[name] + bins for name, bins in found.items()}
 
     def _places(self, events: Events) -> dict[str, Bins]:
         t_us, begin, end = events["t"], *self.light.t_us[[0, -1]]
         number = self.light.interval_of(t_us)
         start, stop = self.light.t_us[number], self.light.t_us[number + 1]
+        across = _cut(events["x"] / self.width, PATCHES_ACROSS)
+        x, y = (events[axis].astype(np.int64) % LATTICE for axis in "xy")
         return {
+            "patch": _cut(events["y"] / self.height, PATCHES_DOWN) * PATCHES_ACROSS + across,
+            "lattice": y * LATTICE + x,
             "frame": _cut((t_us - start) / (stop - start), PHASES),
             "time": _cut((t_us - begin) / max(end - begin, 1), TIMES),
             "y": _cut(events["y"] / self.height, LINES),

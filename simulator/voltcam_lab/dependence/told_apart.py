@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from voltcam_simulator.effect import Events
 
 from .additive import Additive, Array, Bins, fit, gain
-from .covariates import COVARIATES, LIGHT, Covariate, Look
+from .covariates import LIGHT, Covariate, Look
 
 FOLDS = 5
 BLOCK_US = 100_000
@@ -80,11 +80,11 @@ def told_apart(
     for _ in range(steps):
         gains = {
             each.name: _held_out(table, [*known, each], _extended(table, known, models, each)) - told
-            for each in COVARIATES
+            for each in look.covariates
             if each not in known
         }
         alone = alone or gains
-        best = max(COVARIATES, key=lambda each: gains.get(each.name, -np.inf))
+        best = max(look.covariates, key=lambda each: gains.get(each.name, -np.inf))
         known.append(best)
         models = [_fitted(table, known, table.fold != fold) for fold in range(FOLDS)]
         gained = _held_out(table, known, models) - told
@@ -93,6 +93,19 @@ def told_apart(
         told += gained
         found.append(_step(table, known, gained))
     return ToldApart(light, alone, tuple(found), counts)
+
+
+def told_by(
+    real: Events, simulated: Sequence[Events], look: Look, chosen: Chosen, covariates: Sequence[Covariate]
+) -> float:
+    """Nats an event that light and these covariates together tell, of the events that the functions were
+    fitted to: for comparing simulations with each other. NaN: too few events."""
+    table = _table(real, simulated, look, chosen)
+    if min(np.count_nonzero(table.real), np.count_nonzero(~table.real)) < FEWEST:
+        return float("nan")
+    known, rows = [LIGHT, *covariates], np.ones(len(table.real), bool)
+    ratio = _fitted(table, known, rows).log_ratio(table.of(known, rows), len(rows))
+    return gain(ratio, table.real)
 
 
 def _table(real: Events, simulated: Sequence[Events], look: Look, chosen: Chosen) -> _Table:

@@ -3,7 +3,17 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from .covariates import LINES, ORDERS, PASTS, PHASES, TIMES, past_edges_us
+from .covariates import (
+    LATTICE,
+    LINES,
+    ORDERS,
+    PASTS,
+    PATCHES_ACROSS,
+    PHASES,
+    TIMES,
+    Covariate,
+    past_edges_us,
+)
 from .told_apart import Telling
 
 BODY = 0.5  # of the peak: what belongs to it
@@ -15,6 +25,7 @@ KINDS = {
     "bus": "the bus that all pixels share",
     "clock": "a clock locked to the frames",
     "slow time": "slow time",
+    "pixel": "which pixel it is",
     "light": "light and its change",
 }
 _AGO = {
@@ -47,16 +58,18 @@ def peak(step: Telling) -> tuple[int, int, int, float]:
 def sentence(step: Telling) -> str:
     """For people: on what firing depends that the model's does not, and where most."""
     polarity, first, last, ratio = peak(step)
-    kind, nats = KINDS[step.covariate.kind], f"{1000 * step.gain:.1f} millinats an event"
+    kind = "a clock" if step.covariate.name == "clock" else KINDS[step.covariate.kind]
+    nats = f"{1000 * step.gain:.1f} millinats an event"
     many = f"{_short(np.exp(ratio))} times as many" if ratio > 0 else f"{np.exp(ratio):.0%} of the"
     return (
         f"Firing depends on {kind} as the model's does not ({nats}): there "
         f"are {many} {'ON' if polarity else 'OFF'} events as simulated "
-        f"{_where(step.covariate.name, first, last)}."
+        f"{_where(step.covariate, first, last)}."
     )
 
 
-def _where(name: str, first: int, last: int) -> str:
+def _where(covariate: Covariate, first: int, last: int) -> str:
+    name = covariate.name
     if name in PASTS:
         if last == 0:
             return _AGO[name].replace("after", "at the very time of", 1)
@@ -67,6 +80,12 @@ def _where(name: str, first: int, last: int) -> str:
         steps = (f"{step} pixels" for step in (ORDERS[first - 1], ORDERS[last] - 1))
         low, high = ("the row's end" if len(step) > len("1000 pixels") else step for step in steps)
         return f"at the time of the event before and from {low} to {high} along its row"
+    if name == "patch":
+        return f"in the part {_place(first, PATCHES_ACROSS)} of the sensor, of 8 across and 6 down"
+    if name == "lattice":
+        return f"of the pixel {_place(first, LATTICE)} of each square of 4 x 4 pixels"
+    if name == "clock":
+        return f"at {first / PHASES:.0%} to {(last + 1) / PHASES:.0%} of the {covariate.title}"
     sizes = {"frame": PHASES, "time": TIMES, "y": LINES, "x": LINES}
     size = sizes[name]
     part = f"{first / size:.0%} to {(last + 1) / size:.0%} of the"
@@ -76,6 +95,11 @@ def _where(name: str, first: int, last: int) -> str:
         "y": f"at {part} height",
         "x": f"at {part} width",
     }[name]
+
+
+def _place(number: int, across: int) -> str:
+    """Column and row, counted from 0."""
+    return f"({number % across}, {number // across})"
 
 
 def _span(edges_us: NDArray[np.float64], first: int, last: int) -> str:

@@ -12,7 +12,7 @@ from .style import OFF, ON, REAL, styled
 
 FEWEST_SHARE = 2e-4  # of the real events: a bin with fewer says nothing
 COLUMNS = 2
-_ENDS = {"frame": PHASES, "time": TIMES, "y": LINES, "x": LINES}
+_ENDS = {"frame": PHASES, "time": TIMES, "y": LINES, "x": LINES, "clock": PHASES}
 _TIMES = ((1e0, "1 us"), (1e2, "100 us"), (1e4, "10 ms"), (1e6, "1 s"))
 
 
@@ -50,5 +50,5 @@ def _function(axes: Axes, step: Telling) -> None:
         axes.set_xticks(
             np.arange(1, len(ORDERS), 3) + 0.5, [f"{ORDERS[k]:+d} px" for k in range(1, len(ORDERS), 3)]
         )
-    else:
+    elif name in _ENDS:
         axes.set_xticks(np.linspace(0, _ENDS[name], 5), ["0", "25 %", "50 %", "75 %", "100 %"])

@@ -24,7 +24,10 @@ from .photoreceptor_bandwidth import PhotoreceptorBandwidth
 from .readout import Readout
 from .refractory_period import RefractoryPeriod
 from .reset_noise import ResetNoise
+from .residual_clock import ResidualClock
+from .residual_coupling import ResidualCoupling
 from .residual_drift import ResidualDrift
+from .residual_kick import ResidualKick
 from .residual_noise import ResidualNoise
 from .temperature_drift import TemperatureDrift
 from .threshold_mismatch import ThresholdMismatch
@@ -49,6 +52,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     ResidualDrift,
     ResidualNoise,
     ApsCoupling,
+    ResidualClock,
     LeakMismatch,
     Comparator,
     ThresholdMismatch,
@@ -57,6 +61,8 @@ EFFECTS: tuple[type[Effect], ...] = (
     ResetNoise,
     HotPixels,
     NoisePairs,
+    ResidualKick,
+    ResidualCoupling,
     Crosstalk,
     Latency,
     ArbiterScan,

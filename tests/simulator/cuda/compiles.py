@@ -56,6 +56,7 @@ parameters = Parameters.of("typical").changed(
         "input_response": {"gamma_exponent": 2.2},
         "leak_mismatch": {"sigma": 0.2},
         "aps_coupling": {"reset_kick": 0.1},
+        "residual_clock": {"kick": 0.1},
     }
 )
 simulator = Simulator(4, 3, parameters, device="cuda")

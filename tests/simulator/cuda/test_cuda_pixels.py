@@ -23,6 +23,7 @@ ALL_LIGHT_AND_VOLTAGE = {
     "residual_drift": {"per_us": 1e-6, "across": 0.3, "power": 0.7},
     "residual_noise": {"variance_per_us": 1e-9},
     "aps_coupling": {"exposure_kick": 0.1, "reset_kick": 0.05},
+    "residual_clock": {"kick": 0.05, "period_us": 3000.0, "row_us": 20.0},
     "leak_mismatch": {"sigma": 0.2},
     "threshold_mismatch": {"sigma": 0.15},
     "dead_pixels": {"fraction": 0.05},
@@ -32,6 +33,8 @@ ALL_LIGHT_AND_VOLTAGE = {
 EVENT_STAGES = {
     "hot_pixels": {"fraction": 0.05},
     "noise_pairs": {"rate_hz": 20.0},
+    "residual_kick": {"after_on": -0.3, "after_off": 3.0, "chance": 0.5, "spread_decades": 0.2},
+    "residual_coupling": {"after_on": 0.1, "after_off": -0.2, "delay_us": 20_000.0},
     "crosstalk": {"coupling": 0.02},
     "latency": {"delay_us": 100.0, "jitter_us": 20.0},
     "readout": {"event_us": 0.1},

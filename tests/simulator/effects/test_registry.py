@@ -56,6 +56,7 @@ ALL_OF_THE_PIXEL = {
     "photoreceptor_bandwidth": {"cutoff_hz": 300, "follower_hz": 2000},
     "low_light_shot_noise": {"c": 0.0112},
     "aps_coupling": {"exposure_kick": 0.1, "reset_kick": 0.2, "readout_kick": -0.1},
+    "residual_clock": {"kick": 0.1, "period_us": 7000, "row_us": -20},
     "leak_mismatch": {"sigma": 0.3},
     "threshold_mismatch": {"sigma": 0.3},
     "dead_pixels": {"fraction": 0.01},

@@ -1,6 +1,7 @@
 """The result of a diagnosis, put together from what the search left; nothing is simulated anew."""
 
 import platform
+from collections.abc import Sequence
 from importlib import metadata
 
 import numpy as np
@@ -11,6 +12,7 @@ from ...dependence.words import sentence as kind_in_words
 from ...statistics import COUNTS, LABELS
 from ..catalogue.candidate import Candidate
 from ..catalogue.entries import in_words, next_recording
+from ..residual.fit import GenericTerm
 from ..rig.clock import counted_from
 from ..rig.whole import NOTICEABLE
 from ..search.hypothesis import BASE
@@ -26,6 +28,7 @@ from .result import (
     DiagnosisSettings,
     FoundEffect,
     Gap,
+    Generic,
     Identifiable,
     IntervalEstimate,
     Known,
@@ -40,9 +43,10 @@ from .where import Z_90, Ranked, View, ranked, views
 
 
 def result_of(
-    session: Session, search: Search, identifiability: Identifiability, diagnosis: Diagnosis
-) -> Result:
-    """The result of a search in a session."""
+    session: Session, search: Search, identifiability: Identifiability, diagnosis: Diagnosis,
+    generic: Sequence[GenericTerm] = (),
+) -> Result:  # fmt: skip
+    """The result of a search in a session, and of the generic terms for what it left."""
     settings, models = search.settings, views(search, diagnosis)
     first, last = next(iter(models.values())), [*models.values()][-1]
     effects = [_effect(diagnosis, found, session.origin_us, settings) for found in diagnosis.found]
@@ -51,6 +55,7 @@ def result_of(
         sentence=(
             sentence(diagnosis, first, last, settings)
             + _by_kind(diagnosis)
+            + "".join(f" {term_in_words(term)}" for term in generic)
             + _far_from_file(diagnosis, settings)
             + _taken_out(session)
         ),
@@ -60,6 +65,7 @@ def result_of(
         where_after=_strata(ranked(last, search.data), settings.reporting),
         gap=Gap(before=first.held_out, after=last.held_out, floor=last.floor),
         remains=_remains(diagnosis),
+        generic=[_generic(term) for term in generic],
         identifiability=Identifiable(
             base=[
                 Known(name=f"{one.effect}.{one.name}", fixed=one.answer, sd=one.sd, mixed_with=one.mixed_with)
@@ -86,9 +92,10 @@ def result_of(
     )  # fmt: skip
 
 
-def camera_of(session: Session, diagnosis: Diagnosis) -> Camera:
+def camera_of(session: Session, diagnosis: Diagnosis, generic: Sequence[GenericTerm] = ()) -> Camera:
     """The camera file with what was missing in it, of the recording's size."""
-    found = counted_from(diagnosis.hypothesis.parameters(), -session.origin_us)
+    parameters = generic[-1].parameters if generic else diagnosis.hypothesis.parameters()
+    found = counted_from(parameters, -session.origin_us)
     return session.camera.model_copy(update={"parameters": found})
 
 
@@ -128,6 +135,23 @@ def _remains(diagnosis: Diagnosis) -> Unexplained | None:
         for step in found.telling
     ]
     return Unexplained(nats=found.noticed, floor=found.floor, noticeable=NOTICEABLE, kinds=kinds)
+
+
+def term_in_words(term: GenericTerm) -> str:
+    """A generic term, and what it takes away."""
+    before, after = (f"{1000 * max(one.noticed, 0.0):.1f}" for one in (term.before, term.after))
+    return (
+        f"A term of unknown origin, {term.shape.formula()}, takes away part of that: on the later part of the"
+        f" recording, which had no part in its fit, {after} millinats an event are left of {before}."
+    )
+
+
+def _generic(term: GenericTerm) -> Generic:
+    return Generic(
+        name=term.shape.effect, kind=term.shape.kind, formula=term.shape.formula(),
+        parameters=term.shape.values(), nats_before=term.before.noticed, nats_after=term.after.noticed,
+        sentence=term_in_words(term),
+    )  # fmt: skip
 
 
 def _by_kind(diagnosis: Diagnosis) -> str:

@@ -86,6 +86,20 @@ class Unexplained(_Record):
     kinds: list[Dependence] = Field(description="those that matter, the most telling first")
 
 
+class Generic(_Record):
+    """A term of unknown mechanism that takes away by what real events are told from simulated ones. Nats are
+    of the later part of the recording, which had no part in the fit of its numbers, beyond what the light
+    leaves open."""
+
+    name: str = Field(description="as in the registry of effects, and in the camera file")
+    kind: str = Field(description="as of `Dependence`")
+    formula: str
+    parameters: dict[str, float]
+    nats_before: float
+    nats_after: float
+    sentence: str
+
+
 class Known(_Record):
     """A base parameter, and what the recording can tell of it. sd: of its logarithm."""
 
@@ -155,6 +169,7 @@ class Result(_Record):
     where_after: list[Stratum] = Field(description="the same with the effects added")
     gap: Gap
     remains: Unexplained | None
+    generic: list[Generic] = Field(description="terms of unknown mechanism, each beside those before it")
     identifiability: Identifiable
     seeds: Seeds
     versions: Versions

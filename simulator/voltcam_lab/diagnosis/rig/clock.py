@@ -16,4 +16,8 @@ def origin_us(footage: Footage) -> int:
 def counted_from(parameters: Parameters, t_us: int) -> Parameters:
     """The same camera on a clock whose zero is at t_us: of what has a clock of its own, the phase."""
     changes = {entry.effect: moved for entry in ENTRIES if (moved := entry.on_clock(parameters, t_us))}
+    clock = parameters.residual_clock  # no entry of the catalogue
+    if clock.active:
+        begin_us = (clock.begin_us - t_us) % clock.period_us
+        changes["residual_clock"] = {"begin_us": begin_us}
     return parameters.changed(changes) if changes else parameters

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from voltcam_simulator import EVENT, Parameters, Simulator
 from voltcam_simulator.effect import Events
 
+from ...dependence.clock import clock_of
 from ...dependence.covariates import Look
 from ...dependence.told_apart import STEPS, Telling, ToldApart, told_apart
 from ...distances import FrameLight
@@ -28,9 +29,10 @@ NOTICEABLE = 3 / 1000
 @dataclass(frozen=True, eq=False)
 class Remains:
     """What tells the recording from simulated runs, and what tells runs on one version of the light from runs
-    on the others: so much is the light's, not the camera's."""
+    on the others: so much is the light's, not the camera's. look: by what, and with which clock."""
 
     told: ToldApart
+    look: Look
     by_light: tuple[ToldApart, ...]
 
     @property
@@ -72,23 +74,40 @@ class WholeSensor:
     def _known(self) -> NDArray[np.bool_]:
         return self.scene.trusted()
 
-    def remains(self, parameters: Parameters, steps: int = STEPS) -> Remains:
-        """By what the recording can still be told from a camera with these parameters."""
-        runs = [self.events(parameters, version) for version in range(len(self.settings.lights))]
-        real, footage = self.footage.events, self.footage
-        look = Look.at(real, footage.width, footage.height, FrameLight(footage.frames, footage.frame_t_us))
-        by_light = [
-            told_apart(runs[k], [*runs[:k], *runs[k + 1 :]], look, self.judged, steps)
-            for k in range(COMPARED)
-        ]
-        return Remains(told_apart(real, runs, look, self.judged, steps), tuple(by_light))
+    @cached_property
+    def look(self) -> Look:
+        """Classes for what events may depend on."""
+        footage = self.footage
+        light = FrameLight(footage.frames, footage.frame_t_us)
+        return Look.at(footage.events, footage.width, footage.height, light)
 
-    def events(self, parameters: Parameters, version: int) -> Events:
+    def remains(
+        self, parameters: Parameters, steps: int = STEPS, later_than_us: float = -np.inf,
+        by_light: tuple[ToldApart, ...] = (),
+    ) -> Remains:  # fmt: skip
+        """By what the recording can still be told from a camera with these parameters, of events later than
+        a time. by_light: what the light leaves open, if it is known from nearly such a camera."""
+        runs = [self.events(parameters, version) for version in range(len(self.settings.lights))]
+
+        def chosen(events: Events) -> NDArray[np.bool_]:
+            late: NDArray[np.bool_] = events["t"] > later_than_us
+            return self.judged(events) & late
+
+        real = self.footage.events
+        look = self.look.finer(clock_of(real, runs, self.footage.height))
+        by_light = by_light or tuple(
+            told_apart(runs[k], [*runs[:k], *runs[k + 1 :]], look, chosen, steps) for k in range(COMPARED)
+        )
+        return Remains(told_apart(real, runs, look, chosen, steps), look, by_light)
+
+    def events(self, parameters: Parameters, version: int, until_us: float = np.inf) -> Events:
         """One run, on a version of the light."""
         scene = self.scene
         simulator = Simulator(scene.width, scene.height, parameters, seed=SEEDS + version + self.seed)
         found = [np.empty(0, EVENT)]
         for image, t_us in light_behind(scene, version, self.settings):
+            if t_us > until_us:
+                break
             if len(found) == 1:
                 simulator.advance(image, t_us - max(self.settings.lead_in_us, lead_in_us(parameters)))
             found.append(simulator.advance(image, t_us))

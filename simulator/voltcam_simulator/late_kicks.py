@@ -1,0 +1,265 @@
+"""Voltages that are kicked some time after events, of the same pixel or of others.
+
+The pixels have gone through an interval without these kicks. Where one comes, the pixel's path is followed
+again from there: straight from what is known of it to what is known next, which is the voltage at both ends
+of the interval, the threshold at each event and 0 behind it. So an event comes earlier or later, comes in
+addition or does not come, as it does in a pixel without noise, however time is cut into intervals; what the
+noise does between two instants that are known is left out.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .effect import EventInterval, Events, Sensor, State
+from .event_order import in_time_order
+from .kernel import kernel
+from .kick_queue import pop, push, send
+from .random import events_key
+
+LONG_AGO_US = -(2**62)
+FULL = 0.999
+"""Of a threshold: the most that a voltage is left at."""
+OWN = np.array([[0, 0]])
+NEIGHBOURS = np.array([[-1, 0], [1, 0], [0, -1], [0, 1]])
+
+
+class KickRule(NamedTuple):
+    """What an event leads to; voltages in nominal thresholds."""
+
+    after_on: Any
+    """Size of a kick after an ON event..."""
+    after_off: Any
+    """...and after an OFF event."""
+    chance: Any
+    """Of a kick."""
+    delay_us: Any
+    """From the event to the kick, in the median."""
+    spread_decades: Any
+    """Standard deviation of the delay's decimal logarithm."""
+    targets: Any
+    """(m, 2) int64: the pixels that get one, as steps in x and y."""
+
+
+class Paths(NamedTuple):
+    """Of each pixel in an interval: what it would do without kicks, and what it does; (pixels,) each."""
+
+    following: Any
+    """int64, number of its next event without kicks; -1: none."""
+    knot_us: Any
+    """float64, from when its path without kicks is straight to the next event or the end..."""
+    knot: Any
+    """...and where it is until then."""
+    end: Any
+    """Its voltage without kicks at the end of the interval."""
+    offset: Any
+    """Its voltage less that without kicks."""
+    last_us: Any
+    """int64, time of its last event."""
+    now_us: Any
+    """float64, up to when it has been followed."""
+
+
+def late_kick_state(sensor: Sensor) -> State:
+    """What an effect of this kind keeps: when each pixel fired last, its voltage at the last interval's end
+    (NaN: not known), and the kicks on their way, a `kick_queue`."""
+    pixels = sensor.width * sensor.height
+    return {
+        "last_us": np.full(pixels, LONG_AGO_US, np.int64),
+        "before": np.full(pixels, np.nan),
+        "waiting": np.empty((0, 3)),
+    }
+
+
+def kicked(name: str, rule: KickRule, events: Events, interval: EventInterval) -> Events:
+    """The events of an interval with kicks by this rule, sorted; changes the voltages at its end."""
+    sensor, state = interval.sensor, interval.state[name]
+    interval.admit(len(events) * (1 + len(rule.targets)))
+    found, state["waiting"] = follow_kicks(
+        events, interval.start_us, interval.end_us, rule, events_key(sensor.seed, name, 0), sensor.theta_on,
+        sensor.theta_off, sensor.refractory_us, interval.voltage, state["before"], state["last_us"],
+        state["waiting"],
+    )  # fmt: skip
+    return in_time_order(found)
+
+
+@kernel
+def follow_kicks(
+    events: Any, start: Any, end: Any, rule: Any, key: Any, theta_on: Any, theta_off: Any, dead: Any,
+    voltage: Any, before: Any, last: Any, waiting: Any,
+) -> Any:  # fmt: skip
+    """(events with kicks, in no order; kicks still on their way).
+
+    theta_on, theta_off (height, width); voltage, before, last (pixels,): changed; dead: time [us].
+    """
+    (height, width), n = theta_on.shape, events.shape[0]
+    paths, later = paths_of(events, start, voltage, before, last, dead, width)
+    queue, queued = np.empty((max(16, 2 * waiting.shape[0]), 3)), waiting.shape[0]
+    queue[:queued] = waiting
+    out, written = np.empty(2 * n + 16, events.dtype), 0
+    clock, i, ended = np.float64(start), 0, 0
+    while True:
+        until, size = events[i].t if i < n else end, 0.0
+        while i == n and ended < width * height and paths.offset[ended] == 0.0:
+            ended += 1
+        is_kick = queued > 0 and queue[0, 0] <= until
+        if is_kick:
+            clock, pixel, size = max(clock, queue[0, 0]), np.int64(queue[0, 1]), queue[0, 2]
+            queued = pop(queue, queued)
+        elif i < n:
+            clock, pixel = np.float64(until), np.int64(events[i].y) * width + np.int64(events[i].x)
+        elif ended < width * height:
+            clock, pixel = np.float64(end), ended
+            ended += 1
+        else:
+            break
+        on, off = theta_on[pixel // width, pixel % width], theta_off[pixel // width, pixel % width]
+        while True:
+            side = follow_to(paths, pixel, clock, events, end, on, off, dead)
+            if side == 0:
+                break
+            out, written = add(out, written, paths.last_us[pixel], pixel, side, width)
+            queue, queued = send(queue, queued, rule, key, paths.last_us[pixel], pixel, side, width, height)
+        if is_kick:
+            side = kick(paths, pixel, clock, size, events, end, on, off, dead)
+            if side != 0:  # what a kick sets off does not kick in its turn
+                out, written = add(out, written, paths.last_us[pixel], pixel, side, width)
+        elif i < n:
+            side = 1 if events[i].p else -1
+            if pass_event(paths, pixel, events[i].t, side, later[i], on, off, dead):
+                out, written = add(out, written, events[i].t, pixel, side, width)
+                queue, queued = send(queue, queued, rule, key, events[i].t, pixel, side, width, height)
+            i += 1
+        if paths.offset[pixel] != 0.0:
+            side, at = next_event(paths, pixel, events, end, on, off, dead)
+            if side != 0:
+                queue, queued = push(queue, queued, at, pixel, 0.0)  # nothing but a look then
+    for pixel in range(width * height):
+        if paths.offset[pixel] != 0.0:
+            on, off = theta_on[pixel // width, pixel % width], theta_off[pixel // width, pixel % width]
+            level = paths.end[pixel] + paths.offset[pixel]
+            voltage[pixel] = min(max(level, -FULL * off), FULL * on)
+        before[pixel] = voltage[pixel]
+    return out[:written].copy(), queue[:queued].copy()
+
+
+@kernel
+def paths_of(events: Any, start: Any, voltage: Any, before: Any, last: Any, dead: Any, width: Any) -> Any:
+    """(Paths at the start of an interval, (n,) the number of the same pixel's next event)."""
+    pixels, n = voltage.shape[0], events.shape[0]
+    following, later = np.full(pixels, -1), np.empty(n, np.int64)
+    for i in range(n - 1, -1, -1):
+        pixel = np.int64(events[i].y) * width + np.int64(events[i].x)
+        later[i], following[pixel] = following[pixel], i
+    knot_us, knot, end = np.empty(pixels), np.empty(pixels), np.empty(pixels)
+    for pixel in range(pixels):
+        knot_us[pixel] = max(np.float64(start), last[pixel] + dead)
+        end[pixel] = voltage[pixel]
+        knot[pixel] = before[pixel]
+        if np.isnan(before[pixel]):
+            knot[pixel] = 0.0 if following[pixel] >= 0 else end[pixel]
+    now = np.full(pixels, np.float64(start))
+    return Paths(following, knot_us, knot, end, np.zeros(pixels), last, now), later
+
+
+@kernel
+def without_kicks(paths: Any, pixel: Any, t: Any, events: Any, end: Any, on: Any, off: Any) -> Any:
+    """Where the pixel would be at a time not behind its next event, before the reset of that."""
+    i = paths.following[pixel]
+    at, level = np.float64(end), paths.end[pixel]
+    if i >= 0:
+        at, level = np.float64(events[i].t), np.float64(on if events[i].p else -off)
+    since = paths.knot_us[pixel]
+    if t >= at:
+        return level
+    if t <= since:
+        return paths.knot[pixel]
+    return paths.knot[pixel] + (level - paths.knot[pixel]) * (t - since) / (at - since)
+
+
+@kernel
+def next_event(paths: Any, pixel: Any, events: Any, end: Any, on: Any, off: Any, dead: Any) -> Any:
+    """(sign, time) of the next event of a pixel that was kicked, up to the next one that it would have had
+    without; 0: none until then."""
+    i, now, offset = paths.following[pixel], paths.now_us[pixel], paths.offset[pixel]
+    until = np.float64(events[i].t if i >= 0 else end)
+    free = np.float64(paths.last_us[pixel] + dead)
+    if free >= until and dead > 0.0:
+        return 0, until
+    if free > now:  # held at 0: what moves the pixel meanwhile is lost
+        now, offset = free, -without_kicks(paths, pixel, free, events, end, on, off)
+    now = min(max(now, paths.knot_us[pixel]), until)
+    begin = without_kicks(paths, pixel, now, events, end, on, off) + offset
+    level = without_kicks(paths, pixel, until, events, end, on, off) + offset
+    if level >= on:
+        return 1, now + max((on - begin) / (level - begin) if level > begin else 0.0, 0.0) * (until - now)
+    if level <= -off:
+        return -1, now + max((off + begin) / (begin - level) if level < begin else 0.0, 0.0) * (until - now)
+    return 0, until
+
+
+@kernel
+def follow_to(paths: Any, pixel: Any, t: Any, events: Any, end: Any, on: Any, off: Any, dead: Any) -> Any:
+    """Follow a pixel to its next event that it would not have had then, or to t: the event's sign, or 0."""
+    now = paths.now_us[pixel]
+    if paths.offset[pixel] != 0.0 and now <= t:
+        side, at = next_event(paths, pixel, events, end, on, off, dead)
+        if side != 0 and at <= t:
+            fire(paths, pixel, at, events, end, on, off)
+            return side
+        free = min(np.float64(paths.last_us[pixel] + dead), t)
+        if free > now:
+            paths.offset[pixel] = -without_kicks(paths, pixel, free, events, end, on, off)
+    paths.now_us[pixel] = max(now, t)
+    return 0
+
+
+@kernel
+def fire(paths: Any, pixel: Any, t: Any, events: Any, end: Any, on: Any, off: Any) -> None:
+    """An event of the pixel that it would not have had then: its voltage is 0 behind it."""
+    paths.offset[pixel] = -without_kicks(paths, pixel, t, events, end, on, off)
+    paths.now_us[pixel], paths.last_us[pixel] = t, np.int64(t)
+
+
+@kernel
+def kick(
+    paths: Any, pixel: Any, t: Any, size: Any, events: Any, end: Any, on: Any, off: Any, dead: Any
+) -> Any:
+    """Kick a pixel that was followed to t: the sign of the event that this sets off, or 0."""
+    if paths.last_us[pixel] + dead > t + 1:
+        return 0  # held
+    raised = without_kicks(paths, pixel, t, events, end, on, off) + paths.offset[pixel] + size
+    if -off < raised < on:
+        paths.offset[pixel] += size
+        return 0
+    fire(paths, pixel, t, events, end, on, off)
+    return 1 if raised > 0 else -1
+
+
+@kernel
+def pass_event(
+    paths: Any, pixel: Any, t: Any, side: Any, following: Any, on: Any, off: Any, dead: Any
+) -> Any:
+    """Let a pixel, followed to t, go by an event that it would have had without kicks: whether it has it."""
+    paths.following[pixel] = following
+    paths.knot_us[pixel], paths.knot[pixel] = t + dead, 0.0
+    if t - paths.last_us[pixel] + 1 < dead:  # times are whole microseconds
+        paths.offset[pixel] = 0.0
+        return False
+    if paths.offset[pixel] == 0.0:
+        paths.last_us[pixel] = t
+        return True
+    paths.offset[pixel] += on if side > 0 else -off
+    return False
+
+
+@kernel
+def add(out: Any, written: Any, t: Any, pixel: Any, side: Any, width: Any) -> Any:
+    """(Space for events, larger where it was full, and how many are in it) with one more."""
+    if written == out.shape[0]:
+        longer = np.empty(2 * written, out.dtype)
+        longer[:written] = out
+        out = longer
+    out[written].t, out[written].x, out[written].y = t, pixel % width, pixel // width
+    out[written].p = side > 0
+    return out, written + 1
