@@ -22,13 +22,13 @@ from ..search.settings import DEFAULTS, SearchSettings
 from ..search.settings_proof import Reporting
 from ..search.state import Search
 from ..session import Session
+from .generic import generic_of, term_in_words
 from .result import (
     Dependence,
     Detectable,
     DiagnosisSettings,
     FoundEffect,
     Gap,
-    Generic,
     Identifiable,
     IntervalEstimate,
     Known,
@@ -65,7 +65,7 @@ def result_of(
         where_after=_strata(ranked(last, search.data), settings.reporting),
         gap=Gap(before=first.held_out, after=last.held_out, floor=last.floor),
         remains=_remains(diagnosis),
-        generic=[_generic(term) for term in generic],
+        generic=[generic_of(term) for term in generic],
         identifiability=Identifiable(
             base=[
                 Known(name=f"{one.effect}.{one.name}", fixed=one.answer, sd=one.sd, mixed_with=one.mixed_with)
@@ -135,23 +135,6 @@ def _remains(diagnosis: Diagnosis) -> Unexplained | None:
         for step in found.telling
     ]
     return Unexplained(nats=found.noticed, floor=found.floor, noticeable=NOTICEABLE, kinds=kinds)
-
-
-def term_in_words(term: GenericTerm) -> str:
-    """A generic term, and what it takes away."""
-    before, after = (f"{1000 * max(one.noticed, 0.0):.1f}" for one in (term.before, term.after))
-    return (
-        f"A term of unknown origin, {term.shape.formula()}, takes away part of that: on the later part of the"
-        f" recording, which had no part in its fit, {after} millinats an event are left of {before}."
-    )
-
-
-def _generic(term: GenericTerm) -> Generic:
-    return Generic(
-        name=term.shape.effect, kind=term.shape.kind, formula=term.shape.formula(),
-        parameters=term.shape.values(), nats_before=term.before.noticed, nats_after=term.after.noticed,
-        sentence=term_in_words(term),
-    )  # fmt: skip
 
 
 def _by_kind(diagnosis: Diagnosis) -> str:

@@ -23,7 +23,8 @@ CLUES = made_clues()
 SCALED = [K1_TO_K6[name] for name in IN_THRESHOLDS]
 INPUT_AND_BASE = {
     "contrast_response", "photon_noise", "junction_leak", "parasitic_photocurrent", "leak_noise",
-    "dark_current", "residual_drift", "residual_noise", "residual_kick", "residual_coupling", "residual_clock",
+    "dark_current", "residual_drift", "residual_noise", "residual_kick", "residual_coupling",
+    "residual_clock",
 }  # fmt: skip
 ONLY_WHERE_SEEN = {"arbiter_scan"}
 

@@ -1,0 +1,54 @@
+"""Generic terms as a sentence, in result.json and in the camera file."""
+
+from dataclasses import replace
+
+import pytest
+
+from voltcam_lab.dependence.told_apart import ToldApart
+from voltcam_lab.diagnosis.outcome.conclude import camera_of, result_of
+from voltcam_lab.diagnosis.outcome.generic import generic_of, term_in_words
+from voltcam_lab.diagnosis.outcome.report import page_of
+from voltcam_lab.diagnosis.residual.fit import GenericTerm
+from voltcam_lab.diagnosis.residual.shapes import KickShape
+from voltcam_lab.diagnosis.rig.whole import Remains, WholeSensor
+from voltcam_simulator import Parameters
+
+from ..conftest import Done
+
+SHAPE = KickShape(
+    "own past", "residual_kick", {"size": 2.0, "spread_decades": 0.0}, {"chance": 0.25, "delay_us": 600.0}
+)
+
+
+def told(nats: float) -> ToldApart:
+    return ToldApart(nats, {}, (), (1000, 1000))
+
+
+def term(sensor: WholeSensor, parameters: Parameters) -> GenericTerm:
+    before, after = (Remains(told(nats), sensor.look, (told(0.001),)) for nats in (0.08, 0.012))
+    return GenericTerm(SHAPE, before, after, SHAPE.on(parameters))
+
+
+def test_a_term_says_its_formula_and_what_it_takes_away(done: Done) -> None:
+    one = term(done.session.sensor, Parameters.of("paper"))
+    words = term_in_words(one)
+    assert SHAPE.formula() in words
+    assert "11.0 millinats an event are left of 79.0" in words
+    record = generic_of(one)
+    assert (record.name, record.kind) == ("residual_kick", "own past")
+    assert record.parameters["chance"] == 0.25
+    assert (record.nats_before, record.nats_after) == pytest.approx((0.079, 0.011))
+
+
+def test_it_stands_in_result_page_and_camera_file_and_the_verdict_stays(done: Done) -> None:
+    unknown = replace(done.diagnosis, verdict="unknown", found=(), covariance=None)
+    terms = (term(done.session.sensor, unknown.hypothesis.parameters()),)
+    result = result_of(done.session, done.search, done.identifiability, unknown, terms)
+    assert result.verdict == "unknown"
+    assert [one.name for one in result.generic] == ["residual_kick"]
+    assert term_in_words(terms[0]) in result.sentence
+    page = page_of(done.session, done.search, done.identifiability, unknown, result)
+    assert "It is in the camera file as <code>residual_kick</code>" in page
+    kick = camera_of(done.session, unknown, terms).parameters.residual_kick
+    assert (kick.after_on, kick.after_off, kick.chance, kick.delay_us) == (2.0, -2.0, 0.25, 600.0)
+    assert not camera_of(done.session, unknown).parameters.residual_kick.active
