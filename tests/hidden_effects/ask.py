@@ -1,5 +1,6 @@
 """A recording put to the diagnosis, and what it says."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -10,7 +11,9 @@ from pydantic import BaseModel, ConfigDict
 
 from voltcam_client.formats import FormatError, Recording
 from voltcam_lab.diagnosis.outcome.conclude import size_estimates
+from voltcam_lab.diagnosis.outcome.generic import terms_left
 from voltcam_lab.diagnosis.outcome.result import IntervalEstimate
+from voltcam_lab.diagnosis.residual.fit import GenericTerm
 from voltcam_lab.diagnosis.rig.rig import Rig
 from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
 from voltcam_lab.diagnosis.search.loop import Diagnosis, diagnose
@@ -66,6 +69,9 @@ class Verdict(BaseModel):
     gap_after: float = 0.0
     gap_floor: float = 0.0
     p_value: float = 0.0
+    kinds: tuple[str, ...] = ()  # on what firing depends that the model's does not, the most telling first
+    nats_before: float | None = None  # an event, on the later part, without generic terms...
+    nats_after: float | None = None  # ...and with them
     reason: str = ""  # of a refusal
 
 
@@ -85,7 +91,7 @@ def ask(question: Question) -> Verdict:
     candidates = [one for one in session.candidates if one.effect != question.without]
     search = Search(rig, session.data, candidates, sensor=session.sensor)
     diagnosis = diagnose(search, Hypothesis(session.parameters))
-    return _verdict(diagnosis)
+    return _verdict(diagnosis, terms_left(session.sensor, diagnosis, lambda sentence: None))
 
 
 def _published(camera: str) -> Parameters:
@@ -93,7 +99,7 @@ def _published(camera: str) -> Parameters:
     return Parameters.of(preset).changed(changes)
 
 
-def _verdict(diagnosis: Diagnosis) -> Verdict:
+def _verdict(diagnosis: Diagnosis, terms: Sequence[GenericTerm]) -> Verdict:
     first, last = diagnosis.steps[0], diagnosis.steps[-1]
     effects = tuple(
         Named(
@@ -103,9 +109,12 @@ def _verdict(diagnosis: Diagnosis) -> Verdict:
         )
         for found in diagnosis.found
     )
-    residual = diagnosis.residual
+    residual, remains = diagnosis.residual, diagnosis.remains
     return Verdict(
         verdict=diagnosis.verdict, effects=effects, formula=residual.formula if residual else "",
         gap_with_formula=residual.trial.held_out if residual else None, gap_before=first.held_out,
         gap_after=last.held_out, gap_floor=last.floor_held_out, p_value=first.p_value,
+        kinds=tuple(step.covariate.kind for step in remains.telling) if remains else (),
+        nats_before=terms[0].before.noticed if terms else None,
+        nats_after=terms[-1].after.noticed if terms else None,
     )  # fmt: skip

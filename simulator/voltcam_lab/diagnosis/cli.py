@@ -19,13 +19,13 @@ from ..recordings import load
 from .catalogue.entries import ENTRIES
 from .catalogue.entry import Entry
 from .outcome.conclude import camera_of, result_of
+from .outcome.generic import terms_left
 from .outcome.report import page_of
-from .residual.fit import GenericTerm, generic_terms
 from .rig.workers import cores
 from .search.excess import own_effects, without_excess
 from .search.hypothesis import start_of
 from .search.identify import identify, short
-from .search.loop import Diagnosis, diagnose
+from .search.loop import diagnose
 from .search.settings import DEFAULTS, SearchSettings
 from .search.state import Say, search_of
 from .session import DiagnosisError, Session, session_of
@@ -131,7 +131,7 @@ def _diagnose(session: Session, out: Path, say: Say, settings: SearchSettings) -
     identifiability = identify(session.rig, start, session.candidates, settings)
     say(identifiability.text() + "\n")
     diagnosis = diagnose(search, start)
-    generic = terms_left(session, diagnosis, say)
+    generic = terms_left(session.sensor, diagnosis, say)
     result = result_of(session, search, identifiability, diagnosis, generic)
     say("\n" + result.sentence)
     for effect in result.effects:
@@ -148,14 +148,6 @@ def _diagnose(session: Session, out: Path, say: Say, settings: SearchSettings) -
     for file, text in texts.items():
         write(out / file, text())
         say(f"{out / file} written")
-
-
-def terms_left(session: Session, diagnosis: Diagnosis, say: Say) -> tuple[GenericTerm, ...]:
-    """Generic terms for what a search has left unknown."""
-    remains = diagnosis.remains
-    if diagnosis.verdict != "unknown" or remains is None:
-        return ()
-    return generic_terms(session.sensor, diagnosis.hypothesis.parameters(), remains, say)
 
 
 def _follow(session: Session, bar: "tqdm[Any]") -> None:

@@ -1,7 +1,18 @@
 """Generic terms for what has no name, in words and for machines."""
 
-from ..residual.fit import GenericTerm
+from ..residual.fit import GenericTerm, generic_terms
+from ..rig.whole import WholeSensor
+from ..search.loop import Diagnosis
+from ..search.state import Say
 from .result import Generic
+
+
+def terms_left(sensor: WholeSensor, diagnosis: Diagnosis, say: Say) -> tuple[GenericTerm, ...]:
+    """Generic terms for what a search has left unknown."""
+    remains = diagnosis.remains
+    if diagnosis.verdict != "unknown" or remains is None:
+        return ()
+    return generic_terms(sensor, diagnosis.hypothesis.parameters(), remains, say)
 
 
 def term_in_words(term: GenericTerm) -> str:
