@@ -109,7 +109,7 @@ def follow_kicks(
         elif i < n:
             clock, pixel = np.float64(until), np.int64(events[i].y) * width + np.int64(events[i].x)
         elif ended < width * height:
-            clock, pixel = np.float64(end), ended
+            clock, pixel = np.float64(end), np.int64(ended)
             ended += 1
         else:
             break
@@ -134,12 +134,11 @@ def follow_kicks(
             side, at = next_event(paths, pixel, events, end, on, off, dead)
             if side != 0:
                 queue, queued = push(queue, queued, at, pixel, 0.0)  # nothing but a look then
-    for pixel in range(width * height):
-        if paths.offset[pixel] != 0.0:
-            on, off = theta_on[pixel // width, pixel % width], theta_off[pixel // width, pixel % width]
-            level = paths.end[pixel] + paths.offset[pixel]
-            voltage[pixel] = min(max(level, -FULL * off), FULL * on)
-        before[pixel] = voltage[pixel]
+    for k in range(width * height):
+        if paths.offset[k] != 0.0:
+            on, off = theta_on[k // width, k % width], theta_off[k // width, k % width]
+            voltage[k] = min(max(paths.end[k] + paths.offset[k], -FULL * off), FULL * on)
+        before[k] = voltage[k]
     return out[:written].copy(), queue[:queued].copy()
 
 

@@ -54,7 +54,7 @@ def clock_of(real: Events, simulated: Sequence[Events], height: int) -> Clock | 
     chosen = slice(int(wanted[0]), int(wanted[-1]) + 1)
     power = _power(real, begin_us, bins, height, chosen)
     model = np.mean([_power(one, begin_us, bins, height, chosen) for one in simulated], axis=0)
-    model *= len(real) / max(np.mean([len(one) for one in simulated]), 1)
+    model *= len(real) * len(simulated) / max(sum(len(one) for one in simulated), 1)
     beside = (NEIGHBOURS * uniform_filter1d(power, NEIGHBOURS, axis=0) - power) / (NEIGHBOURS - 1)
     excess = power / np.maximum(np.maximum(beside, model), 1e-9)  # 2 exponentials, of mean 1/2 each
     line, wave = (int(k) for k in np.unravel_index(int(excess.argmax()), excess.shape))
