@@ -59,7 +59,7 @@ def generic_terms(
     while len(tried) < MOST_TERMS and (step := _next(remains, tried)):
         tried.add(step.covariate.kind)
         say(f"Looking for a term of unknown origin: {step.covariate.title}.")
-        shape = _fitted(sensor, parameters, remains, step)
+        shape = _fitted(sensor, parameters, remains, step.covariate.kind)
         if shape is None:
             continue
         before = before or sensor.remains(parameters, later_than_us=split_us)
@@ -90,10 +90,11 @@ def _split_us(sensor: WholeSensor) -> float:
     return float(t_us[0] + EARLIER * (t_us[-1] - t_us[0]))
 
 
-def _fitted(sensor: WholeSensor, parameters: Parameters, remains: Remains, step: Telling) -> Shape | None:
-    """The term and its numbers by which the earlier part is least told from simulated events; None: without
-    any it is told as little."""
-    split_us, covariates = _split_us(sensor), covariates_of(step.covariate.kind)
+def _fitted(sensor: WholeSensor, parameters: Parameters, remains: Remains, kind: Kind) -> Shape | None:
+    """The term and its numbers by which the earlier part is least told from simulated events, of all
+    beginnings the best one moved on; None: without any it is told as little."""
+    split_us, covariates = _split_us(sensor), covariates_of(kind)
+    steps = [one for one in remains.told.steps if one.covariate.kind == kind and fits(one)]
     real, look = sensor.footage.events, remains.look
 
     def chosen(events: Events) -> NDArray[np.bool_]:
@@ -104,15 +105,15 @@ def _fitted(sensor: WholeSensor, parameters: Parameters, remains: Remains, step:
         run = sensor.events(camera, VERSION, until_us=split_us)
         return told_by(real, [run], look, chosen, covariates)
 
-    best, least = None, told(parameters)
-    for begin, name, values in beginnings(step, look.clock, parameters):
-        shapes = [begin.with_number(name, value) for value in values]
-        tells = [told(shape.on(parameters)) for shape in shapes]
-        at = int(np.argmin(tells))
-        shape, tell = _moved(shapes[at], tells[at], name, lambda one: told(one.on(parameters)))
-        if tell < least:
-            best, least = shape, tell
-    return best
+    tries = [
+        (told(shape.on(parameters)), shape, name)
+        for step in steps
+        for begin, name, values in beginnings(step, look.clock, parameters)
+        for shape in (begin.with_number(name, value) for value in values)
+    ]
+    tell, best, name = min(tries, key=lambda one: one[0])
+    best, tell = _moved(best, tell, name, lambda one: told(one.on(parameters)))
+    return best if tell < told(parameters) else None
 
 
 def _moved(shape: Shape, tell: float, first: str, told: Callable[[Shape], float]) -> tuple[Shape, float]:
