@@ -41,7 +41,7 @@ class KickRule(NamedTuple):
     """(m, 2) int64: the pixels that get one, as steps in x and y."""
 
 
-class Paths(NamedTuple):
+class KickedPaths(NamedTuple):
     """Of each pixel in an interval: what it would do without kicks, and what it does; (pixels,) each."""
 
     following: Any
@@ -144,7 +144,7 @@ def follow_kicks(
 
 @kernel
 def paths_of(events: Any, start: Any, voltage: Any, before: Any, last: Any, dead: Any, width: Any) -> Any:
-    """(Paths at the start of an interval, (n,) the number of the same pixel's next event)."""
+    """(KickedPaths at the start of an interval, (n,) the number of the same pixel's next event)."""
     pixels, n = voltage.shape[0], events.shape[0]
     following, later = np.full(pixels, -1), np.empty(n, np.int64)
     for i in range(n - 1, -1, -1):
@@ -158,7 +158,7 @@ def paths_of(events: Any, start: Any, voltage: Any, before: Any, last: Any, dead
         if np.isnan(before[pixel]):
             knot[pixel] = 0.0 if following[pixel] >= 0 else end[pixel]
     now = np.full(pixels, np.float64(start))
-    return Paths(following, knot_us, knot, end, np.zeros(pixels), last, now), later
+    return KickedPaths(following, knot_us, knot, end, np.zeros(pixels), last, now), later
 
 
 @kernel

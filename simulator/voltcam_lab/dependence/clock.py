@@ -19,7 +19,7 @@ FALSE_LINES = 1e-3  # expected by chance in the whole scan
 Power = NDArray[np.float64]
 
 
-class Clock(NamedTuple):
+class RowClock(NamedTuple):
     """A period [us], and by how much each row is later than the one above [us]."""
 
     period_us: float
@@ -35,7 +35,7 @@ class Clock(NamedTuple):
         return (late_us / self.period_us) % 1.0
 
 
-def clock_of(real: Events, simulated: Sequence[Events], height: int) -> Clock | None:
+def clock_of(real: Events, simulated: Sequence[Events], height: int) -> RowClock | None:
     """The clock that shows best in the real events and not in the simulated ones; None: none beyond chance.
 
     Events in bins of row and time are turned into power over frequency and cycles a row, polarities apart
@@ -64,7 +64,7 @@ def clock_of(real: Events, simulated: Sequence[Events], height: int) -> Clock | 
         real, float(frequencies[chosen][line]), float(np.fft.fftfreq(2 * height)[wave]),
         1 / (end_us - begin_us), 1 / (2 * height),
     )  # fmt: skip
-    return Clock(1 / frequency, -cycles_per_row / frequency)
+    return RowClock(1 / frequency, -cycles_per_row / frequency)
 
 
 def _sharper(

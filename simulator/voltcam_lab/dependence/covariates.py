@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from voltcam_simulator.effect import Events
 
 from ..light.frame_light import FrameLight
-from .clock import Clock
+from .clock import RowClock
 from .past import past_of
 
 Bins = NDArray[np.int64]
@@ -80,9 +80,9 @@ class Look:
     brightness_dn: NDArray[np.float64]
     change_per_s: NDArray[np.float64]
     covariates: tuple[Covariate, ...] = COVARIATES
-    clock: Clock | None = None
+    clock: RowClock | None = None
 
-    def finer(self, clock: Clock | None) -> "Look":
+    def finer(self, clock: RowClock | None) -> "Look":
         """With which pixel it is, and with the phase of a clock that a scan has found."""
         covariates = (*COVARIATES, *FINER)
         if clock is not None:

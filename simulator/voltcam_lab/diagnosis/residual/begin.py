@@ -7,7 +7,7 @@ import numpy as np
 
 from voltcam_simulator import Parameters
 
-from ...dependence.clock import Clock
+from ...dependence.clock import RowClock
 from ...dependence.covariates import COVARIATES, DECADES_PER_BIN, PAST_BINS, PHASES, Covariate, Kind
 from ...dependence.told_apart import Telling
 from ...dependence.words import peak
@@ -46,7 +46,7 @@ def covariates_of(kind: Kind) -> list[Covariate]:
     return [one for one in COVARIATES if one.kind == kind]
 
 
-def beginnings(step: Telling, clock: Clock | None, parameters: Parameters) -> Iterator[Beginning]:
+def beginnings(step: Telling, clock: RowClock | None, parameters: Parameters) -> Iterator[Beginning]:
     """Terms to begin with. clock: that of the step, where it is one."""
     if step.covariate.name == _CLOCKS_NAME:
         if clock is not None:
@@ -92,7 +92,7 @@ def _delay(step: Telling) -> tuple[float, float]:
     return float(10 ** ((begin + end) / 2)), max(float(end - begin) / 12**0.5, NARROWEST)
 
 
-def _clocks(step: Telling, clock: Clock) -> Iterator[Beginning]:
+def _clocks(step: Telling, clock: RowClock) -> Iterator[Beginning]:
     """A kick up about where ON events are most too many against OFF events."""
     phase = (np.arange(PHASES) + 0.5) / PHASES
     wave = step.function * step.share

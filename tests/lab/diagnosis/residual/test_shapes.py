@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.dependence.clock import Clock
+from voltcam_lab.dependence.clock import RowClock
 from voltcam_lab.dependence.covariates import COVARIATES, PAST_BINS, PHASES, Covariate
 from voltcam_lab.dependence.told_apart import Telling
 from voltcam_lab.diagnosis.residual.begin import beginnings, fits
@@ -90,7 +90,7 @@ def test_a_clock_goes_up_where_on_events_are_too_many() -> None:
         Covariate("clock", "clock", "", PHASES), 0.02, np.stack([-wave, wave]),
         np.full((2, PHASES), 0.5 / PHASES),
     )  # fmt: skip
-    found = [one.shape for one in beginnings(step, Clock(6000.0, 10.0), Parameters())]
+    found = [one.shape for one in beginnings(step, RowClock(6000.0, 10.0), Parameters())]
     begins = sorted(one.numbers["begin_us"] for one in found)
     assert begins == pytest.approx([1050, 1800, 2550], abs=30)
     assert all(one.fixed == {"period_us": 6000.0, "row_us": 10.0} for one in found)
