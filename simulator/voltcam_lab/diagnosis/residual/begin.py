@@ -17,7 +17,8 @@ ALIKE = 0.4  # of the stronger polarity's log ratio: what the other has to have 
 CHANCES = (0.05, 0.15, 0.45)
 SIZES = (0.05, 0.15, 0.4)  # nominal thresholds
 CLOCK_SIZES = (0.02, 0.06, 0.2)
-NARROWEST = 0.05  # decades
+NARROWEST, WIDEST = 0.05, 1.0  # decades; as wide as the effects' parameters go
+LONGEST_DELAY_US, STEEPEST_ROW_US = 1e6, 1e4  # the same
 PHASE_STEPS = (-1 / 8, 0.0, 1 / 8)  # about where ON events are most too many
 _CLOCKS_NAME = "clock"
 
@@ -49,7 +50,7 @@ def covariates_of(kind: Kind) -> list[Covariate]:
 def beginnings(step: Telling, clock: RowClock | None, parameters: Parameters) -> Iterator[Beginning]:
     """Terms to begin with. clock: that of the step, where it is one."""
     if step.covariate.name == _CLOCKS_NAME:
-        if clock is not None:
+        if clock is not None and abs(clock.row_us) <= STEEPEST_ROW_US:
             yield from _clocks(step, clock)
     else:
         yield from _kicks(step, parameters)
@@ -89,7 +90,8 @@ def _delay(step: Telling) -> tuple[float, float]:
     """(median delay [us], spread [decades]) of kicks whose bins a function's peak takes."""
     _, first, last, _ = peak(step)
     begin, end = (DECADES_PER_BIN * max(k, 0) for k in (first - 1, last))
-    return float(10 ** ((begin + end) / 2)), max(float(end - begin) / 12**0.5, NARROWEST)
+    spread = min(max(float(end - begin) / 12**0.5, NARROWEST), WIDEST)
+    return min(float(10 ** ((begin + end) / 2)), LONGEST_DELAY_US), spread
 
 
 def _clocks(step: Telling, clock: RowClock) -> Iterator[Beginning]:

@@ -111,6 +111,8 @@ def _fitted(sensor: WholeSensor, parameters: Parameters, remains: Remains, kind:
         for begin, name, values in beginnings(step, look.clock, parameters)
         for shape in (begin.with_number(name, value) for value in values)
     ]
+    if not tries:
+        return None
     tell, best, name = min(tries, key=lambda one: one[0])
     best, tell = _moved(best, tell, name, lambda one: told(one.on(parameters)))
     return best if tell < told(parameters) else None

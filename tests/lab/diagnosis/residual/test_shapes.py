@@ -1,5 +1,7 @@
 """A generic term's numbers, as an effect's parameters and as a formula; and where a fit begins."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -81,6 +83,19 @@ def test_a_kick_s_sign_is_that_of_the_events_that_are_too_many(step: Telling, si
 def test_what_has_no_time_or_no_term_is_not_fitted() -> None:
     assert not fits(past("row", 1.0, 1.0))
     assert not fits(past("own_same", 1.0, 1.0, at=PAST_BINS - 2))  # after longer than anything: no kick
+
+
+def test_a_peak_as_wide_as_it_may_be_is_within_the_effect_s_limits() -> None:
+    step = past("near_other", -1.0, -1.0)
+    function = np.full_like(step.function, -1.0)
+    function[:, -1] = 0.0
+    for one in beginnings(replace(step, function=function), None, Parameters()):
+        assert one.shape.on(Parameters()).residual_coupling.spread_decades == 1.0
+
+
+def test_a_clock_too_steep_for_the_effect_is_not_begun_with() -> None:
+    step = Telling(Covariate("clock", "clock", "", PHASES), 0.02, np.ones((2, PHASES)), np.ones((2, PHASES)))
+    assert list(beginnings(step, RowClock(2e5, 2e4), Parameters())) == []
 
 
 def test_a_clock_goes_up_where_on_events_are_too_many() -> None:
