@@ -4,11 +4,18 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import uniform_filter
+from scipy.ndimage import gaussian_filter, uniform_filter
+from scipy.signal import savgol_coeffs, savgol_filter
 
 from voltcam_simulator.kernel import kernel
 
 NEAR = 7  # pixels: a window of them moves together
+SPANS = (5, 7)  # frames over which light may go as a cubic does
+LIKE_ROUNDING = (
+    1.8  # mean square of what a cubic leaves, of what rounding would, from where it is not used...
+)
+AS_BEFORE = 2.8  # ...at all; between these in part
+ROUNDING_DN2 = 1 / 12  # variance of what rounding takes away
 BUMP = 0.4  # grey levels: how far beyond the boundary light gets that comes and goes by the same one
 
 
@@ -18,6 +25,9 @@ def unrounded(frames: NDArray[Any]) -> NDArray[np.float32]:
     Where a pixel goes from one level to the next, light passes the boundary of the two, in the middle between
     two frames. From one boundary to the next it goes as its surroundings do: none where nothing moves. In the
     dark this is what pixels see: at 5 DN a step of one level is a quarter of a threshold at once.
+
+    Light that passes several levels from frame to frame follows cubics, where these leave no more than
+    rounding does: its zigzag would make simulated events early, as noise does.
     """
     levels = frames.reshape(len(frames), -1).astype(np.float32)
     change = np.abs(np.diff(frames.astype(np.float32), axis=0))
@@ -26,7 +36,20 @@ def unrounded(frames: NDArray[Any]) -> NDArray[np.float32]:
     moved += uniform_filter(change.mean(axis=(1, 2)), size=3, mode="nearest")[:, None]
     light = levels.copy()
     _smooth(levels, moved, light)
-    return light.reshape(frames.shape)
+    return np.clip(_along_cubics(light.reshape(frames.shape)), frames - 0.5, frames + 0.5).astype(np.float32)
+
+
+def _along_cubics(light: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Each pixel on the longest cubic of SPANS that leaves no more than rounding (Savitzky and Golay 1964);
+    a pixel's neighbours in space and time help to tell."""
+    found = light
+    for span in (span for span in SPANS if span <= len(light)):
+        cubic = savgol_filter(light, span, 3, axis=0, mode="interp")
+        left = ROUNDING_DN2 * (1 - savgol_coeffs(span, 3)[span // 2])
+        share = gaussian_filter((light - cubic) ** 2, 1.0) / left
+        kept = np.clip((share - LIKE_ROUNDING) / (AS_BEFORE - LIKE_ROUNDING), 0, 1)
+        found = cubic + kept * (found - cubic)
+    return found
 
 
 @kernel

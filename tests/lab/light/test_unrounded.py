@@ -43,3 +43,19 @@ def test_it_rounds_to_the_frames(frames: np.ndarray) -> None:
 def test_frames_that_never_change_stay() -> None:
     frames = np.full((20, 4, 4), 7, np.uint8)
     assert unrounded(frames) == pytest.approx(frames)
+
+
+def test_waves_of_many_levels_lose_most_of_their_zigzag() -> None:
+    """A step from frame to frame errs by 0.41 with rounding: 2/12 is its variance. A cubic through 5 of them
+    leaves half of that."""
+    phase = (
+        np.linspace(0, 12 * np.pi, 300)[:, None, None] + 0.3 * np.arange(16) + 0.2 * np.arange(16)[:, None]
+    )
+    wave = 100 + 20 * np.sin(phase)
+    error = np.diff(unrounded(rounded(wave)) - wave, axis=0)
+    assert error.std() < 0.55 * np.sqrt(2 / 12)
+
+
+def test_edges_stay_where_they_are() -> None:
+    edge = np.where(np.arange(40)[:, None, None] < 20 + np.arange(8), 40.0, 160.0) * np.ones((1, 8, 1))
+    assert unrounded(rounded(edge)) == pytest.approx(edge, abs=0.5)
