@@ -18,6 +18,16 @@ Outcome = Literal["right", "abstained", "wrong", "crashed"]
 Meets = Callable[[float], bool]
 
 FAULT_NAMES = {"gamma": "input_response", "black_level": "input_response", "exposure_blur": "exposure_blur"}
+DRIFTS = ("dark_drift", "root_drift", "column_drift")
+KINDS = {
+    "rebound": ("own past",),
+    "tiring_threshold": ("own past",),
+    "after_events": ("own past",),
+    "dim_refractory": ("own past",),
+    "threshold_ripple": ("clock", "slow time"),
+    "row_shadow": ("row", "neighbours"),
+    "slew_limit": ("light", "own past"),
+}  # of unlisted effects: on what firing depends that a model without them does not know
 NULLS_ASKED, SLOW_NULLS_ASKED = 100, 50  # fewer recordings without an effect prove nothing
 
 
@@ -105,12 +115,36 @@ def share_removed(verdict: Verdict) -> float:
     return (verdict.gap_before - verdict.gap_after) / removable if removable > 0 else float("nan")
 
 
+def kind_is_right(effect: str, verdict: Verdict) -> bool:
+    """Of an unlisted effect: whether the kind that tells most is its own; of a drift, whether it is said as
+    one."""
+    if effect in DRIFTS:
+        return verdict.formula.startswith("drift")
+    return verdict.kinds[:1] != () and verdict.kinds[0] in KINDS[effect]
+
+
+def half_is_removed(verdict: Verdict) -> bool:
+    """Whether a term without a name removes half of what could be removed on held-out data, of the gap or in
+    nats an event."""
+    by_gap = by_nats = 0.0
+    if verdict.gap_with_formula is not None and verdict.gap_after > verdict.gap_floor:
+        by_gap = (verdict.gap_after - verdict.gap_with_formula) / (verdict.gap_after - verdict.gap_floor)
+    if verdict.nats_before is not None and verdict.nats_after is not None and verdict.nats_before > 0:
+        by_nats = 1 - verdict.nats_after / verdict.nats_before
+    return max(by_gap, by_nats) >= 0.5
+
+
 def table(found: Sequence[Judged]) -> list[Figure]:
     """All rows."""
     part = {name: [one for one in found if one.case.part == name] for name in {j.case.part for j in found}}
     singles, unlisted, pairs = (part.get(name, []) for name in ("singles", "unlisted", "pairs"))
     nulls, slow = part.get("nulls", []), part.get("slow nulls", [])
     named = [one for one in singles if one.outcome == "right"]
+    nameless = [
+        (one.case.effects[0][0], one.line.verdict or Verdict(verdict="refused"))
+        for one in unlisted
+        if not (one.outcome == "right" and one.names)
+    ]  # not those that are a form of a listed effect, and were named as that
     bad: tuple[Outcome, ...] = ("wrong", "crashed")
     rows = [
         _rate(f"named, {level}", _are(_level(singles, level), "right"), least=asked)
@@ -125,6 +159,12 @@ def table(found: Sequence[Judged]) -> list[Figure]:
             'unlisted effect called "unknown", or what it is a form of', _are(unlisted, "right"), least=0.90
         ),
         _rate("unlisted effect given a wrong name", _are(unlisted, *bad), most=0.05),
+        _rate("unlisted effect: kind told rightly", [kind_is_right(*one) for one in nameless], least=0.70),
+        _rate(
+            "unlisted effect: half of it removed by a term without a name",
+            [half_is_removed(verdict) for _, verdict in nameless],
+            least=0.60,
+        ),
         _rate("two effects: both named", _are(pairs, "right"), least=0.60),
         _rate("two effects: no wrong one", _are(pairs, "right", "abstained"), least=0.95),
         *_shares(named),

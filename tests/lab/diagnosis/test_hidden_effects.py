@@ -14,12 +14,16 @@ from tests.hidden_effects.makes import MAKES, STEP_US, made
 from tests.hidden_effects.page import page
 from tests.hidden_effects.run import Line, diagnosed, question, read, run
 from tests.hidden_effects.score import (
+    DRIFTS,
+    KINDS,
     WITHOUT_CONTROLS,
     Figure,
     controls,
+    half_is_removed,
     interval,
     judge,
     judged,
+    kind_is_right,
     share_removed,
     table,
 )
@@ -50,7 +54,16 @@ def answered(
 
 def as_asked(case: Case) -> Line:
     """The right answer to a case."""
-    if case.part == "unlisted" or case.sabotage in ("deleted", "shuffled") or case.fault:
+    if case.part == "unlisted":
+        effect = case.effects[0][0]
+        drift = {"formula": "drift += 1", "gap_with_formula": 0.5} if effect in DRIFTS else {}
+        kind = {"kinds": KINDS.get(effect, ()), "nats_before": 0.02, "nats_after": 0.001}
+        return Line(
+            case=case.name,
+            verdict=said(verdict="unknown", gap=1.5).model_copy(update=drift or kind),
+            cpu_s=50.0,
+        )
+    if case.sabotage in ("deleted", "shuffled") or case.fault:
         return answered(case, verdict="unknown")
     if not case.effects:
         return answered(case, verdict="none", p_value=(case.seed * 0.618) % 1)
@@ -188,6 +201,32 @@ def test_share_of_the_removable_gap() -> None:
     """From 1.5 to .6 where chance leaves .5."""
     assert share_removed(said("flicker", gap=0.6)) == pytest.approx(0.9)
     assert share_removed(said("flicker", gap=1.7)) == pytest.approx(-0.2)
+
+
+def test_kind_of_an_unlisted_effect() -> None:
+    """What tells most counts; a drift is said as one."""
+    verdict = Verdict(verdict="unknown", kinds=("row", "own past"))
+    assert kind_is_right("row_shadow", verdict)
+    assert not kind_is_right("rebound", verdict)
+    assert not kind_is_right("rebound", Verdict(verdict="unknown"))
+    assert not kind_is_right("root_drift", verdict)
+    assert kind_is_right("root_drift", Verdict(verdict="unknown", formula="drift += 1"))
+    assert set(KINDS) | set(DRIFTS) == set(UNLISTED)
+
+
+@pytest.mark.parametrize(
+    ("after", "with_term", "half"), [(0.02, 0.009, True), (0.02, 0.011, False), (0.02, None, False)]
+)
+def test_half_in_nats(after: float, with_term: float | None, half: bool) -> None:
+    assert half_is_removed(Verdict(verdict="unknown", nats_before=after, nats_after=with_term)) == half
+
+
+def test_half_of_a_gap_is_less_than_chance() -> None:
+    """From 1.5 to 1.1 where chance leaves .5 are two fifths; to .9, three."""
+    less, more = (
+        Verdict(verdict="unknown", gap_after=1.5, gap_floor=0.5, gap_with_formula=left) for left in (1.1, 0.9)
+    )
+    assert (half_is_removed(less), half_is_removed(more)) == (False, True)
 
 
 def test_rivals_beside_the_name_are_told() -> None:
