@@ -44,11 +44,11 @@ def _along_cubics(light: NDArray[np.float32]) -> NDArray[np.float32]:
     a pixel's neighbours in space and time help to tell."""
     found = light
     for span in (span for span in SPANS if span <= len(light)):
-        cubic = savgol_filter(light, span, 3, axis=0, mode="interp")
+        cubic: NDArray[np.float32] = np.asarray(savgol_filter(light, span, 3, axis=0, mode="interp"))
         left = ROUNDING_DN2 * (1 - savgol_coeffs(span, 3)[span // 2])
         share = gaussian_filter((light - cubic) ** 2, 1.0) / left
         kept = np.clip((share - LIKE_ROUNDING) / (AS_BEFORE - LIKE_ROUNDING), 0, 1)
-        found = cubic + kept * (found - cubic)
+        found = np.asarray(cubic + kept * (found - cubic), np.float32)
     return found
 
 
