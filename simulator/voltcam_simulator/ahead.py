@@ -25,6 +25,7 @@ from .kernel import COMPILED
 from .processor import TARGETS, Target
 
 STILL_FRAMES, STILL_US = 20, 500_000  # still so long that rows are drawn ahead, and their clock begins anew
+SUDDEN_US = 100  # in which all pixels fire: events so dense are sorted in another way
 LIMIT_S = 600  # for one target, which takes 13
 Signature = tuple[str, str, Any]
 """Module and name of a kernel, and Numba's types of its arguments."""
@@ -52,8 +53,9 @@ def used_signatures() -> list[Signature]:
     ):
         parameters = Parameters.of(camera).changed({"input_response": {"gamma_exponent": gamma}})
         simulator = Simulator(16, 12, parameters, law, seed=1)
-        for i in range(1 + STILL_FRAMES):  # dark, then bright
+        for i in range(1 + STILL_FRAMES):  # dark, then bright, at last dark at once
             simulator.advance(np.full((12, 16), 200 if i else 20, dtype), i * STILL_US)
+        simulator.advance(np.full((12, 16), 20, dtype), STILL_FRAMES * STILL_US + SUDDEN_US)
     return [(k.py_func.__module__, k.__name__, types) for k in _kernels() for types in k.overloads]
 
 
