@@ -69,13 +69,16 @@ def _head(cases: Sequence[Case], found: Sequence[Judged], seed: int) -> str:
 
 Written by `make hidden-effects`; not by hand.{part}
 
-Each case is a recording of {SECONDS:g} s and {WIDTH} x {HEIGHT} pixels, made by `tests/generator`, which
-shares no code with simulator and lab, forms effects in its own way, and has every base parameter off by up to
-30 %, on a scene of its own; other makes have the lab's baselines for pixels. Half of the scenes are six plane
-waves of 6 to 26 pixels that never rest, half photographs that turn and zoom behind others that fly by.
-The diagnosis gets events, frames of 8 bit (nulls {FPS:g} a second, slow nulls {SLOW_FPS[0]:g} to
-{SLOW_FPS[1]:g}, all others {ANY_FPS[0]:g} to {ANY_FPS[1]:g}) and the published parameters of the camera, on
-one thread. Its verdict is on disk before the answer is drawn from the seed.
+Each case is a recording of {SECONDS:g} s and {WIDTH} x {HEIGHT} pixels, on a scene of its own. It is made by
+`tests/generator`, which shares no code with simulator and lab and forms effects in its own way. Every base
+parameter is off by up to 30 %. Other makes have the lab's baselines for pixels.
+
+Half of the scenes are six plane waves of 6 to 26 pixels that never rest. The others are photographs that turn
+and zoom behind others that fly by. Frames are of 8 bit. Nulls have {FPS:g} of them a second, slow nulls
+{SLOW_FPS[0]:g} to {SLOW_FPS[1]:g}, all others {ANY_FPS[0]:g} to {ANY_FPS[1]:g}.
+
+The diagnosis gets events, frames and the published parameters of the camera, on one thread. Its verdict is on
+disk before the answer is drawn from the seed.
 Seeds are {first} to {last}, {use} {REPORTED_FROM}.
 What is asked was written down before the first case ran.
 

@@ -1,6 +1,5 @@
 """Case after case to the diagnosis, each in a process of its own, and its verdict to disk."""
 
-import hashlib
 import os
 import signal
 import time
@@ -12,14 +11,12 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict
 from tests.generator import Recorded
-
-import voltcam_lab
+from tests.results import digest, whole_lines
 
 from .ask import Question, Verdict, ask
 from .cases import Case, recorded
 
 Work = Callable[[Case], "Line"]
-_SOURCES = (Path(voltcam_lab.__file__).parents[1], Path(__file__).parents[1] / "generator")
 
 
 class Line(BaseModel):
@@ -41,7 +38,7 @@ def diagnosed(case: Case, diagnosis: Callable[[Question], Verdict] = ask) -> Lin
     begun, cpu = time.perf_counter(), time.process_time()
     verdict = diagnosis(asked)
     return Line(
-        case=case.name, code=_digest(), verdict=verdict, cpu_s=time.process_time() - cpu,
+        case=case.name, code=digest(), verdict=verdict, cpu_s=time.process_time() - cpu,
         wall_s=time.perf_counter() - begun,
     )  # fmt: skip
 
@@ -69,14 +66,8 @@ def run(cases: Iterable[Case], file: Path, jobs: int, work: Work = diagnosed) ->
 
 
 def read(file: Path) -> list[Line]:
-    """The lines of a results file. One that was cut off while it was written is removed from it."""
-    if not file.exists():
-        return []
-    raw = file.read_bytes()
-    whole = raw[: raw.rfind(b"\n") + 1]
-    if whole != raw:
-        os.truncate(file, len(whole))
-    return [Line.model_validate_json(line) for line in whole.splitlines()]
+    """The lines of a results file."""
+    return [Line.model_validate_json(line) for line in whole_lines(file)]
 
 
 def _answers(cases: list[Case], jobs: int, work: Work) -> Iterator[Line]:
@@ -114,7 +105,7 @@ def _in_process(case: Case, work: Work, sender: Connection) -> None:
     try:
         line = work(case)
     except Exception as error:  # counts as wrong
-        line = Line(case=case.name, code=_digest(), error=f"{type(error).__name__}: {error}")
+        line = Line(case=case.name, code=digest(), error=f"{type(error).__name__}: {error}")
     sender.send(line.model_dump_json())
 
 
@@ -123,14 +114,7 @@ def _answer(case: Case, receiver: Connection, process: SpawnProcess) -> Line:
         line = Line.model_validate_json(receiver.recv())
     except EOFError:
         process.join()
-        line = Line(case=case.name, code=_digest(), error=f"its process ended with {process.exitcode}")
+        line = Line(case=case.name, code=digest(), error=f"its process ended with {process.exitcode}")
     process.join()
     receiver.close()
     return line
-
-
-def _digest() -> str:
-    digest = hashlib.sha256()
-    for source in sorted(path for folder in _SOURCES for path in folder.rglob("*.py")):
-        digest.update(source.read_bytes())
-    return digest.hexdigest()[:12]

@@ -37,16 +37,16 @@ def _head(pairs: Sequence[Pair], found: Sequence[Outcome]) -> str:
 
 Written by `make pairs`; not by hand.{left}
 
-A camera is drawn at random and records two scenes, each {one.seconds:g} s and {one.width} x {one.height}
-pixels, in light that differs by {APART:g} times or more ({LIGHT[0]:g} to {LIGHT[1]:g} of the scene's own).
+A camera is drawn at random and records two scenes of {one.seconds:g} s and {one.width} x {one.height} pixels.
+Their light differs by {APART:g} times or more ({LIGHT[0]:g} to {LIGHT[1]:g} of the scene's own).
 Frames have 8 bits, at {FPS[0]:g} to {FPS[1]:g} a second.
 `calibrate` sees the first recording only. The camera found is shown the frames of the second, with
 `--upsample auto`, and its events are held against those that the hidden camera gave there.
 So are the events of a camera file with the true values, and those of a second run of the hidden camera.
 
 Cameras are made by `tests/generator`, which shares no code with simulator and lab. They have spread
-thresholds and leaks, reset noise, dead time, low pass, shot noise, coupling, hot pixels, kicks of exposure
-and readout, latency with jitter, and an arbiter that goes round.
+thresholds and leaks, reset noise, dead time, low pass, and shot noise. They have coupling, hot pixels, kicks
+of exposure and readout, latency with jitter, and an arbiter that goes round.
 Seeds are {one.seed} to {pairs[-1].seed}, {use}.
 Sources of simulator, lab and generator: {", ".join(versions) or "none yet"}."""
 

@@ -1,6 +1,5 @@
 """Pair after pair, each in a process of its own, and what came of it to disk."""
 
-import hashlib
 import multiprocessing
 import os
 from collections.abc import Callable, Generator, Iterable
@@ -8,13 +7,12 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from functools import partial
 from pathlib import Path
 
-import voltcam_lab
+from tests.results import digest, whole_lines
 
 from .judge import Outcome, judged
 from .pairs import Pair
 
 Work = Callable[[Pair], Outcome]
-_SOURCES = (Path(voltcam_lab.__file__).parents[1], Path(__file__).parents[1] / "generator")
 
 
 def run(pairs: Iterable[Pair], file: Path, jobs: int, work: Work | None = None) -> Generator[Outcome]:
@@ -41,19 +39,5 @@ def run(pairs: Iterable[Pair], file: Path, jobs: int, work: Work | None = None) 
 
 
 def read(file: Path) -> list[Outcome]:
-    """The outcomes in a file. One that was cut off while it was written is removed from it."""
-    if not file.exists():
-        return []
-    raw = file.read_bytes()
-    whole = raw[: raw.rfind(b"\n") + 1]
-    if whole != raw:
-        os.truncate(file, len(whole))
-    return [Outcome.model_validate_json(line) for line in whole.splitlines()]
-
-
-def digest() -> str:
-    """Of the sources that outcomes depend on."""
-    found = hashlib.sha256()
-    for source in sorted(path for folder in _SOURCES for path in folder.rglob("*.py")):
-        found.update(source.read_bytes())
-    return found.hexdigest()[:12]
+    """The outcomes in a file."""
+    return [Outcome.model_validate_json(line) for line in whole_lines(file)]

@@ -27,6 +27,21 @@ def watch_still(simulator: Simulator, grey: float, seconds: float, fps: float, t
     return np.concatenate([simulator.advance(image, int(t)) for t in times])
 
 
+def watch_at(
+    parameters: Parameters, times_us: NDArray[np.int64], width: int, height: int, grey: float = 9
+) -> Events:
+    """The events of a sensor that looks at one grey, in frames at these times."""
+    simulator = Simulator(width, height, parameters, seed=3)
+    image = still(grey, width, height)
+    return np.concatenate([simulator.advance(image, int(t)) for t in times_us])
+
+
+def cuts(pieces: int, end_us: int = 2_000_000) -> NDArray[np.int64]:
+    """Frame times, uneven but for one piece."""
+    inner = np.random.default_rng(pieces).choice(np.arange(1, end_us), pieces - 1, replace=False)
+    return np.concatenate([[0], np.sort(inner), [end_us]])
+
+
 SIDE = 60
 PIXELS = SIDE * SIDE
 """Of the sensor of `rate_hz`."""

@@ -2,6 +2,9 @@
 
 from typing import ClassVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..effect import About, Effect, EventInterval, Events, Sensor, State, quantity
 from ..late_kicks import OWN, KickRule, kicked, late_kick_state
 
@@ -21,6 +24,9 @@ class ResidualKick(Effect):
 
     feeds_back: ClassVar[bool] = True
 
+    targets: ClassVar[NDArray[np.int64]] = OWN
+    """Who is kicked, as steps in x and y from the event's pixel."""
+
     after_on: float = quantity(
         0.0, unit="nominal thresholds", ge=-10, le=10, meaning="kick after an ON event",
         source="found by voltcam diagnose",
@@ -30,7 +36,7 @@ class ResidualKick(Effect):
         source="found by voltcam diagnose",
     )  # fmt: skip
     chance: float = quantity(
-        1.0, unit="1", ge=0, le=1, meaning="share of the events that are followed by a kick",
+        1.0, unit="1", ge=0, le=1, meaning="of a kick, after each event and for each pixel that it may kick",
         source="found by voltcam diagnose",
     )  # fmt: skip
     delay_us: float = quantity(
@@ -50,5 +56,7 @@ class ResidualKick(Effect):
         return late_kick_state(sensor)
 
     def report(self, events: Events, readout: EventInterval) -> Events:
-        rule = KickRule(self.after_on, self.after_off, self.chance, self.delay_us, self.spread_decades, OWN)
+        rule = KickRule(
+            self.after_on, self.after_off, self.chance, self.delay_us, self.spread_decades, self.targets
+        )
         return kicked(self.name, rule, events, readout)

@@ -6,7 +6,7 @@ from scipy import stats
 
 from voltcam_simulator import Parameters, Simulator
 
-from ..scenes import Events, intervals_us, only, still, watch_still
+from ..scenes import Events, cuts, intervals_us, only, still, watch_at, watch_still
 
 WIDTH, HEIGHT = 30, 50
 PERIOD_US, EXPOSURE_US, ROW_US = 10_000, 500, 35.25
@@ -23,15 +23,7 @@ def phase_us(events: Events) -> np.ndarray:
 
 
 def watch(parameters: Parameters, times_us: np.ndarray) -> Events:
-    simulator = Simulator(WIDTH, HEIGHT, parameters, seed=3)
-    image = still(9, WIDTH, HEIGHT)
-    return np.concatenate([simulator.advance(image, int(t)) for t in times_us])
-
-
-def cuts(pieces: int, end_us: int = 2_000_000) -> np.ndarray:
-    """Frame times, uneven but for one piece."""
-    inner = np.random.default_rng(pieces).choice(np.arange(1, end_us), pieces - 1, replace=False)
-    return np.concatenate([[0], np.sort(inner), [end_us]])
+    return watch_at(parameters, times_us, WIDTH, HEIGHT)
 
 
 def test_without_kicks_leak_events_have_any_phase() -> None:

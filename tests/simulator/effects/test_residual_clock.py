@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from voltcam_simulator import Parameters, Simulator
+from voltcam_simulator import Parameters
 
-from ..scenes import Events, only, still
+from ..scenes import Events, cuts, only, watch_at
 
 WIDTH, HEIGHT = 30, 50
 PERIOD_US, BEGIN_US = 7_000, 1234
@@ -18,15 +18,7 @@ def leaky(leak_per_us: float = 2e-6, row_us: float = -20.25, kick: float = 0.05)
 
 
 def watch(parameters: Parameters, times_us: np.ndarray) -> Events:
-    simulator = Simulator(WIDTH, HEIGHT, parameters, seed=3)
-    image = still(9, WIDTH, HEIGHT)
-    return np.concatenate([simulator.advance(image, int(t)) for t in times_us])
-
-
-def cuts(pieces: int, end_us: int = 2_000_000) -> np.ndarray:
-    """Frame times, uneven but for one piece."""
-    inner = np.random.default_rng(pieces).choice(np.arange(1, end_us), pieces - 1, replace=False)
-    return np.concatenate([[0], np.sort(inner), [end_us]])
+    return watch_at(parameters, times_us, WIDTH, HEIGHT)
 
 
 @pytest.mark.parametrize("row_us", [-20.25, 0.0, 33.0])
