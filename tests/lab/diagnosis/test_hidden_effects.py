@@ -1,4 +1,4 @@
-"""The hidden-effects grid: what it draws, and that it goes on where it stopped; a small part of it for real."""
+"""The hidden-effects grid: what it draws, how it goes on where it stopped; and a part of it for real."""
 
 import os
 from dataclasses import fields, replace
