@@ -3,31 +3,33 @@
 from typing import Any
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter, uniform_filter
-from scipy.signal import savgol_coeffs, savgol_filter
+from scipy.fft import dctn, idctn
+from scipy.ndimage import uniform_filter
 
 from voltcam_simulator.kernel import kernel
 
 NEAR = 7  # pixels: a window of them moves together
-SPANS = (5, 7)  # frames over which light may go as a cubic does
-LIKE_ROUNDING = (
-    1.8  # mean square of what a cubic leaves, of what rounding would, from where it is not used...
-)
-AS_BEFORE = 2.8  # ...at all; between these in part
-ROUNDING_DN2 = 1 / 12  # variance of what rounding takes away
 BUMP = 0.4  # grey levels: how far beyond the boundary light gets that comes and goes by the same one
+BLOCK = 8  # frames, and pixels each way: what moves has few cosines in it, rounding a little of all
+STEPS = (4, 2, 2)  # frames and pixels from one block to the next
+NOISE_DN = 3 * 12**-0.5  # three standard deviations of rounding's error: smaller cosines are taken for it
+
+Light = NDArray[np.float32]
 
 
-def unrounded(frames: NDArray[Any]) -> NDArray[np.float32]:
+def unrounded(frames: NDArray[Any]) -> Light:
     """Frames (M, H, W) of whole grey levels, as smooth as light that rounds to them may be.
 
-    Where a pixel goes from one level to the next, light passes the boundary of the two, in the middle between
-    two frames. From one boundary to the next it goes as its surroundings do: none where nothing moves. In the
-    dark this is what pixels see: at 5 DN a step of one level is a quarter of a threshold at once.
+    Where a pixel stays on a level for longer than a block and goes to the next, light passes the boundary of
+    the two in the middle between two frames. From one boundary to the next it goes as its surroundings do:
+    none where nothing moves. In the dark this is what pixels see: at 5 DN a step of one level is a quarter of
+    a threshold at once.
 
-    Light that passes several levels from frame to frame follows cubics, where these leave no more than
-    rounding does: its zigzag would make simulated events early, as noise does.
+    Light that moves faster loses the cosines that are no larger than rounding makes them, in blocks of frames
+    and pixels that overlap (Donoho and Johnstone 1994; blocks as of Yaroslavsky, Egiazarian and Astola 2001).
+    Else its zigzag would make simulated events early, as noise does.
     """
     levels = frames.reshape(len(frames), -1).astype(np.float32)
     change = np.abs(np.diff(frames.astype(np.float32), axis=0))
@@ -36,26 +38,47 @@ def unrounded(frames: NDArray[Any]) -> NDArray[np.float32]:
     moved += uniform_filter(change.mean(axis=(1, 2)), size=3, mode="nearest")[:, None]
     light = levels.copy()
     _smooth(levels, moved, light)
-    return np.clip(_along_cubics(light.reshape(frames.shape)), frames - 0.5, frames + 0.5).astype(np.float32)
+    smooth = _without_small_cosines(light.reshape(frames.shape))
+    return np.clip(smooth, frames - 0.5, frames + 0.5).astype(np.float32)
 
 
-def _along_cubics(light: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Each pixel on the longest cubic of SPANS that leaves no more than rounding (Savitzky and Golay 1964);
-    a pixel's neighbours in space and time help to tell."""
-    found = light
-    for span in (span for span in SPANS if span <= len(light)):
-        cubic: NDArray[np.float32] = np.asarray(savgol_filter(light, span, 3, axis=0, mode="interp"))
-        left = ROUNDING_DN2 * (1 - savgol_coeffs(span, 3)[span // 2])
-        share = gaussian_filter((light - cubic) ** 2, 1.0) / left
-        kept = np.clip((share - LIKE_ROUNDING) / (AS_BEFORE - LIKE_ROUNDING), 0, 1)
-        found = np.asarray(cubic + kept * (found - cubic), np.float32)
-    return found
+def _without_small_cosines(light: Light) -> Light:
+    """The mean of all blocks that have a sample in them; those of fewer cosines count for more."""
+    padded = np.pad(light, BLOCK, mode="symmetric")
+    blocks = sliding_window_view(padded, (BLOCK,) * light.ndim)[:: STEPS[0], :: STEPS[1], :: STEPS[2]]
+    total, weights = np.zeros_like(padded), np.zeros_like(padded)
+    for number, row in enumerate(blocks):
+        cosines = dctn(row, axes=(2, 3, 4), norm="ortho")
+        mean = cosines[:, :, 0, 0, 0].copy()
+        cosines[np.abs(cosines) < NOISE_DN] = 0
+        cosines[:, :, 0, 0, 0] = mean
+        weight = 1 / np.maximum(np.count_nonzero(cosines, axis=(2, 3, 4)), 1).astype(np.float32)
+        found = idctn(cosines, axes=(2, 3, 4), norm="ortho")
+        here = slice(number * STEPS[0], number * STEPS[0] + BLOCK)
+        _add_blocks(found, weight, STEPS[1], STEPS[2], total[here], weights[here])
+    inside = (slice(BLOCK, -BLOCK),) * light.ndim
+    return np.asarray(total[inside] / weights[inside], np.float32)
+
+
+@kernel
+def _add_blocks(blocks: Any, weight: Any, down: Any, right: Any, total: Any, weights: Any) -> None:
+    """blocks (rows, columns, frames, pixels, pixels) from each `down` and `right` on, to total and weights
+    (frames, H, W)."""
+    rows, columns, frames, height, width = blocks.shape
+    for row in range(rows):
+        for column in range(columns):
+            own, y0, x0 = weight[row, column], row * down, column * right
+            for k in range(frames):
+                for y in range(height):
+                    for x in range(width):
+                        total[k, y0 + y, x0 + x] += own * blocks[row, column, k, y, x]
+                        weights[k, y0 + y, x0 + x] += own
 
 
 @kernel
 def _smooth(levels: Any, moved: Any, light: Any) -> None:
     """levels (M, pixels); moved (M - 1, pixels): how much goes on between two frames; light: the levels, to
-    be made smooth."""
+    be made smooth where they stay for longer than a block."""
     frames, pixels = levels.shape
     for pixel in range(pixels):
         first = 0
@@ -63,7 +86,8 @@ def _smooth(levels: Any, moved: Any, light: Any) -> None:
             last = first
             while last + 1 < frames and levels[last + 1, pixel] == levels[first, pixel]:
                 last += 1
-            _run(levels, moved, light, pixel, first, last)
+            if last - first >= BLOCK:
+                _run(levels, moved, light, pixel, first, last)
             first = last + 1
 
 

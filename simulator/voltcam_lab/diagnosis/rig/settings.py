@@ -15,7 +15,7 @@ class RecordingSettings:
     """Length of what is looked at, from where events begin [s]. Convention: time."""
     most_samples: int = 3_500_000
     """Pixels times frames, of more only strips. Convention: 60 x 60 pixels for 10 s at 100 frames/s."""
-    most_events: int = 200_000
+    most_events: int = 100_000
     """Events, of more only strips. Convention: time."""
     most_steps: int = 15_000_000
     """Pixels times steps that effects of the camera file ask the simulator for. Convention: time."""

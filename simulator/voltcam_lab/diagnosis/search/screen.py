@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, gumbel_r
 
+from voltcam_simulator import Parameters
+
 from ...statistics import Values
 from ..catalogue.candidate import Candidate
 from ..rig.rig import Rig
@@ -30,8 +32,8 @@ class Signature:
 class Screen:
     """Signatures of the catalogue on a hypothesis, and how the same hypothesis' twins score on them.
 
-    base: (PARTS, n, k) columns of the hypothesis' own parameters. null: (m,) gains where nothing is missing,
-    each twin's largest over the catalogue with each of `light_gains`.
+    base: (PARTS, n, k + 1) columns of the hypothesis' own parameters and, last, of `light_delay`. null: (m,)
+    gains where nothing is missing, each twin's largest over the catalogue with each of `light_gains`.
     """
 
     hypothesis: Hypothesis
@@ -42,8 +44,9 @@ class Screen:
     settings: SearchSettings
 
     def own(self, z: NDArray[np.float64]) -> RobustFit:
-        """The part of training deviations z that the hypothesis' own parameters can take up."""
-        return self._fitted(z, flat(self.base), self.hypothesis.prior_sd(self.settings))
+        """The part of training deviations z that the hypothesis' own parameters and the light's delay can
+        take up."""
+        return self._fitted(z, flat(self.base), self._prior_sd)
 
     def gains(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
         """(signatures,) by how much each lessens the loss of z, beyond what the hypothesis' own parameters
@@ -52,10 +55,15 @@ class Screen:
         return np.array([max(found.gain - own, 0.0) if found.x[-1] > 0 else 0.0 for found in both])
 
     def with_effect(self, z: NDArray[np.float64], one: Signature) -> RobustFit:
-        """Amounts of the hypothesis' own parameters and, last, of an effect that fit z best."""
+        """Amounts of the hypothesis' own parameters, of the light's delay and, last, of an effect that fit z
+        best."""
         columns = np.column_stack([flat(self.base), flat(one.column)])
-        prior_sd = np.append(self.hypothesis.prior_sd(self.settings), self.settings.prior.amount_sd)
-        return self._fitted(z, columns, prior_sd)
+        return self._fitted(z, columns, np.append(self._prior_sd, self.settings.prior.amount_sd))
+
+    @property
+    def _prior_sd(self) -> Values:
+        """(k + 1,) of `base`: the light's delay is in units of its sd."""
+        return np.append(self.hypothesis.prior_sd(self.settings), 1.0)
 
     def _fitted(self, z: Values, columns: Values, prior_sd: Values) -> RobustFit:
         return robust_fit(z, columns, prior_sd, self.settings.huber_z, self.settings.fit.reweightings)
@@ -79,15 +87,22 @@ def screen_of(
     parameters = hypothesis.parameters()
     plan = [(candidate, size) for candidate in candidates for size in candidate.sizes]
     there = [candidate.on(parameters, size) for candidate, size in plan]
-    changes = rig.changes(parameters, there, settings.runs.signatures)
+    there.append(later(parameters, settings.model_error.light_delay_us))
+    *changes, delayed = rig.changes(parameters, there, settings.runs.signatures)
     signatures = tuple(
         Signature(candidate, size, change / spread.inflated_sd)
         for (candidate, size), change in zip(plan, changes, strict=True)
     )
-    screen = Screen(hypothesis, spread, spread.columns, signatures, np.empty(0), settings)
+    base = np.concatenate([spread.columns, (delayed / spread.inflated_sd)[..., None]], axis=-1)
+    screen = Screen(hypothesis, spread, base, signatures, np.empty(0), settings)
     ratio = spread.sd / spread.inflated_sd
     null = [screen.gains(flat(z * ratio)).max() for z in spread.left_out]
     return replace(screen, null=np.add.outer(null, light_gains(settings.score_test)).ravel())
+
+
+def later(parameters: Parameters, delay_us: float) -> Parameters:
+    """The same camera, all its events so much later: what light that is a little early or late does."""
+    return parameters.changed({"latency": {"delay_us": parameters.latency.delay_us + delay_us}})
 
 
 def light_gains(test: ScoreTest) -> NDArray[np.float64]:

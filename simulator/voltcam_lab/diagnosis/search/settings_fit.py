@@ -66,6 +66,9 @@ class ModelError:
     base_share: float = 0.01
     """sd, as a share of each base parameter. Development: intervals at rest fix leaks to a thousandth, and
     would outweigh all other statistics."""
+    light_delay_us: float = 100.0
+    """sd of a delay of all events that light between frames stands for [us]. What rounding leaves in it makes
+    simulated events early, as noise does. Development: recordings without an effect ask for 60 to 500 us."""
     effect_share: float = 0.1
     """sd, as a share of what the effects in the model do, where more effects are looked for. Development: a
     real effect has not quite the form of the modelled one."""
