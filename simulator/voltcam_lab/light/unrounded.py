@@ -48,7 +48,7 @@ def _without_small_cosines(light: Light) -> Light:
     blocks = sliding_window_view(padded, (BLOCK,) * light.ndim)[:: STEPS[0], :: STEPS[1], :: STEPS[2]]
     total, weights = np.zeros_like(padded), np.zeros_like(padded)
     for number, row in enumerate(blocks):
-        cosines = dctn(row, axes=(2, 3, 4), norm="ortho")
+        cosines: Any = dctn(row, axes=(2, 3, 4), norm="ortho")
         mean = cosines[:, :, 0, 0, 0].copy()
         cosines[np.abs(cosines) < NOISE_DN] = 0
         cosines[:, :, 0, 0, 0] = mean
