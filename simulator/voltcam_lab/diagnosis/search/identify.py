@@ -140,7 +140,7 @@ def answer_of(share: float, settings: SearchSettings = DEFAULTS) -> Fixed:
 
 
 def detectable_sizes(screen: Screen) -> tuple[DetectableSize, ...]:
-    """The smallest size of each effect whose gain, base parameters projected out, is beyond chance's."""
+    """The smallest size of each effect whose gain beyond what the hypothesis takes up is beyond chance's."""
     test = screen.settings.score_test
     chance = gumbel_r.ppf(1 - test.alpha, *gumbel_r.fit(np.maximum(screen.null, 0.0)))
     beyond = max(float(chance), test.least_gain)

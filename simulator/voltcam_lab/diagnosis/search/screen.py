@@ -1,4 +1,7 @@
-"""Which effect's signature is in the gap: a score test over the catalogue, base parameters projected out."""
+"""Which effect's signature is in the gap: a score test over the catalogue.
+
+Base parameters and the light's delay are projected out.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

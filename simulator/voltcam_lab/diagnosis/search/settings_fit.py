@@ -68,7 +68,8 @@ class ModelError:
     would outweigh all other statistics."""
     light_delay_us: float = 100.0
     """sd of a delay of all events that light between frames stands for [us]. What rounding leaves in it makes
-    simulated events early, as noise does. Development: recordings without an effect ask for 60 to 500 us."""
+    simulated events early, as noise does. Development: recordings without an effect ask for up to 260 us, to
+    either side."""
     effect_share: float = 0.1
     """sd, as a share of what the effects in the model do, where more effects are looked for. Development: a
     real effect has not quite the form of the modelled one."""

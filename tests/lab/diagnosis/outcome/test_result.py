@@ -73,8 +73,10 @@ def test_strata_are_ranked_and_their_intervals_hold_the_effect(result: Result) -
         assert (one.effect.value > 0) == (one.z > 0)
         if one.unit == "share":
             assert one.effect.low >= -1
-    holes = [one for one in result.where if one.strata.get("interval") == "2 to 5 ms" and one.group == "B"]
-    assert holes
+    intervals = [one for one in result.where if one.group == "B" and "interval" in one.strata]
+    holes = [one for one in intervals if one.strata["interval"] in ("2 to 5 ms", "5 to 10 ms")]
+    clear = {one.strata["polarity"] for one in holes if one.strata["interval"] == "5 to 10 ms"}
+    assert clear == {"ON", "OFF"}
     assert all(one.effect.value < -0.5 for one in holes)
 
 
