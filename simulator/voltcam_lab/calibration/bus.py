@@ -4,16 +4,24 @@ from voltcam_simulator import Parameters
 
 from ..health import Inspection
 
+WORDS = {
+    "first": "rows leave in no order of an arbiter's own",
+    "fair": "a fair tree says who is next",
+    "greedy": "a greedy tree says who is next",
+    "token": "a token goes upwards",
+}
+
 
 def as_read(inspection: Inspection, parameters: Parameters) -> tuple[Parameters, list[str]]:
     """The parameters with `readout` and `arbiter_scan` as the recording shows them, and what was found."""
     notes = []
     if (bus := inspection.bus) is not None:
-        found = {"row_us": round(bus.row_us, 3), "event_us": round(bus.event_us, 4)}
-        parameters = parameters.changed({"readout": found})
+        times = {"row_us": bus.row_us, "event_us": bus.event_us, "pass_us": bus.pass_us}
+        found = {name: round(us, 4) for name, us in times.items()}
+        parameters = parameters.changed({"readout": {**found, "along": bus.along, "arbiter": bus.arbiter}})
         notes.append(
-            f"the bus takes {bus.row_us:.2f} us for a row and {bus.event_us:.2f} us for an event, by "
-            f"{bus.stretches} stretches in which it is never idle"
+            f"the bus takes {bus.row_us:.2f} us for a {bus.along[:-1]} and {bus.event_us:.2f} us for an "
+            f"event, by {bus.stretches} stretches in which it is never idle; {WORDS[bus.arbiter]}"
         )
     if (token := inspection.token_scan) is not None:
         parameters = parameters.changed({

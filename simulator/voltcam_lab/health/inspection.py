@@ -71,7 +71,7 @@ class Inspection:
     @cached_property
     def bus(self) -> Bus | None:
         """How long the bus takes for a row and for an event; None where it is never busy for long."""
-        return find_bus(self.footage.events)
+        return find_bus(self.footage.events, self.footage.height, self.footage.width)
 
     @property
     def row_time_us(self) -> float | None:

@@ -1,23 +1,34 @@
-"""The arbiter: all pixels share one bus, on which a row at a time is read."""
+"""The arbiter: all pixels share one bus, on which a row at a time is read, or a column."""
 
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
+from pydantic import Field
 
+from ..arbiters import ARBITERS, FIRST, TOKEN, change_to, join, next_in_tree, none_asking
 from ..effect import About, Effect, EventInterval, Events, Sensor, State, quantity
 from ..event_order import copied
 from ..kernel import kernel
 
+Arbiter = Literal["first", "fair", "greedy", "token"]
 _FIT = "fit to the fullest 100 us of slider_depth (DAVIS240C): row_us 0.28, event_us 0.11"
 
 
 class Readout(Effect):
-    """One queue of rows. A row asks for the bus when its first event comes, and is served in the order of
-    asking: all events that wait in it leave together, with the time of the grant, by rising x; then the
-    bus is busy for row_us + event_us for each of them.
+    """One bus for all rows. A row asks for it when its first event comes; when it is granted, all events that
+    wait in the row leave together, with the time of the grant, by rising x; then the bus is busy for
+    row_us + event_us for each of them. With `along: columns` it is columns that ask, by rising y.
 
-    A pixel holds one event; while that waits, it fires no other: such an event is lost. (The real
-    pixel is reset when it is read, and memorises the level of then.)
+    Who is granted next (`arbiter`):
+    - first: who has asked first.
+    - fair: a tree in which of two sides that ask the one goes first that was not served last.
+    - greedy: the same, but the nearest in the tree to the last one goes first; it serves what lies together.
+    - token: a token goes round the rows upwards, stays at the last one while none asks, and needs pass_us for
+      each row that it passes.
+
+    From `crowd` rows on that ask, `crowded_arbiter` takes over until none does. A pixel holds one event;
+    while that waits, it fires no other: such an event is lost. (The real pixel is reset when it is read, and
+    memorises the level of then.)
     """
 
     about: ClassVar[About] = "readout"
@@ -30,81 +41,160 @@ class Readout(Effect):
         0.0, unit="us", ge=0, le=1000, meaning="bus time for each granted row", source=_FIT
     )
     event_us: float = quantity(
-        0.0, unit="us", ge=0, le=1000, meaning="bus time for each event; 0 for both is off",
+        0.0, unit="us", ge=0, le=1000, meaning="bus time for each event; 0 for all three times is off",
         source=f"1/12: DAVIS346 data sheet, 12 million events/s; {_FIT}",
     )  # fmt: skip
+    along: Literal["rows", "columns"] = Field(
+        "rows",
+        description="read at a time: a row, as in a DAVIS, or a column (Son et al., ISSCC 2017)",
+    )
+    arbiter: Arbiter = Field(
+        "first",
+        description="who is next: the first that asked, a fair tree (Boahen 2004; Linn et al. 2011), a "
+        "greedy one (Boahen 1999), a token ring (Imam and Manohar 2011)",
+    )
+    pass_us: float = quantity(
+        0.0, unit="us", ge=0, le=1000, meaning="time in which the token passes a row that does not ask",
+        source="round_us of arbiter_scan over 180 rows of a DAVIS240C: 1.4",
+    )  # fmt: skip
+    crowd: float = quantity(
+        0.0, unit="1", ge=0, le=8192, source="convention: 0, never",
+        meaning="rows that ask, from which crowded_arbiter takes over until none does; 0: never",
+    )  # fmt: skip
+    crowded_arbiter: Arbiter = Field("token", description="who is next in a crowd")
 
     @property
     def active(self) -> bool:
-        return self.row_us > 0 or self.event_us > 0
+        has_token = self.arbiter == "token" or (self.crowd > 0 and self.crowded_arbiter == "token")
+        return self.row_us > 0 or self.event_us > 0 or (self.pass_us > 0 and has_token)
 
     def state(self, sensor: Sensor) -> State:
+        bits = max(sensor.height * (sensor.width // 8 + 1), sensor.width * (sensor.height // 8 + 1))
         return {
-            "held": np.zeros((sensor.height, sensor.width // 8 + 1), np.uint8),  # a bit: an event waits there
-            "waiting": np.zeros((sensor.height, sensor.width), np.uint16),  # of each row: 2 x + polarity
-            "counts": np.zeros(sensor.height, np.int64),  # and how many there are
-            "queue": np.zeros(sensor.height, np.int64),  # a ring of the rows that ask
-            "place": np.zeros(2, np.int64),  # where it begins, and its length
+            **none_asking(max(sensor.height, sensor.width)),
+            "held": np.zeros(bits, np.uint8),  # a bit: an event waits there
+            "waiting": np.zeros(sensor.height * sensor.width, np.uint16),  # of each row: 2 x + polarity
+            "made_for": np.full(2, -1, np.int64),  # along, arbiter
             "busy_us": np.zeros(1),  # how long the bus stays busy after the interval
         }
 
     def report(self, events: Events, readout: EventInterval) -> Events:
-        bus = readout.state[self.name]
+        bus, sensor = readout.state[self.name], readout.sensor
+        by_column, kind = self.along == "columns", ARBITERS.index(self.arbiter)
+        if bus["made_for"].tolist() != [by_column, kind]:
+            _make_for(bus, sensor.height, sensor.width, by_column, kind)
+        groups, members = (sensor.width, sensor.height) if by_column else (sensor.height, sensor.width)
+        crowd = max(int(self.crowd), 1) if self.crowd > 0 else groups + 1
         out = np.empty(len(events) + int(bus["counts"].sum()), events.dtype)
         written = serve(
-            events, readout.start_us, readout.span_us, self.row_us, self.event_us, bus["held"],
-            bus["waiting"], bus["counts"], bus["queue"], bus["place"], bus["busy_us"], out,
+            events, by_column, readout.start_us, readout.span_us, members, self.row_us, self.event_us,
+            self.pass_us, kind, ARBITERS.index(self.crowded_arbiter), crowd,
+            bus["held"], bus["waiting"], bus["counts"][:groups], bus["ring"][:groups], bus["tree"],
+            bus["turn"], bus["place"], bus["busy_us"], out,
         )  # fmt: skip
         return out if written == len(out) else copied(out[:written])
 
 
+def _make_for(bus: State, height: int, width: int, by_column: bool, kind: int) -> None:
+    """Another arbiter takes over what waits: in the order of rows, or of columns."""
+    was_column, waits = bool(bus["made_for"][0] == 1), bus["counts"].copy()
+    group = np.repeat(np.arange(waits.size), waits)
+    within = np.arange(group.size) - np.repeat(np.cumsum(waits) - waits, waits)
+    code = bus["waiting"][group * (height if was_column else width) + within].astype(np.int64)
+    member, p = code >> 1, code & 1
+    if was_column != by_column:
+        group, member = member, group
+    bus["counts"][:], bus["held"][:] = 0, 0
+    groups, members = (width, height) if by_column else (height, width)
+    hold(group, member, p, members, bus["held"], bus["waiting"], bus["counts"])
+    change_to(kind, bus["counts"][:groups], bus["ring"][:groups], bus["tree"])
+    bus["place"][:] = 0, np.count_nonzero(bus["counts"]), 0, kind
+    bus["made_for"][:] = by_column, kind
+
+
 @kernel
 def serve(
-    events: Any, start: Any, span: Any, row_us: Any, event_us: Any, held: Any, waiting: Any, counts: Any,
-    queue: Any, place: Any, busy_us: Any, out: Any,
+    events: Any, by_column: Any, start: Any, span: Any, members: Any, row_us: Any, event_us: Any,
+    pass_us: Any, usual: Any, crowded: Any, crowd: Any, held: Any, waiting: Any, counts: Any, ring: Any,
+    tree: Any, turn: Any, place: Any, busy_us: Any, out: Any,
 ) -> Any:  # fmt: skip
-    """Serve what can be granted within the interval; the rest waits in the state. Returns events in out."""
-    n, rows = events.shape[0], counts.shape[0]
-    head, length, busy = place[0], place[1], busy_us[0]
-    come, written = 0, 0
-    while length > 0 or come < n:
-        grant = busy if length > 0 else max(busy, np.float64(events[come].t - start))
+    """Serve what can be granted within the interval; the rest waits in the state. Returns events in out.
+
+    members: pixels of a group, a row or column. crowd: groups that ask from which the arbiter `crowded` takes
+    over from the usual one.
+    """
+    n, busy, come, written = events.shape[0], busy_us[0], 0, 0
+    head, asking, last, kind = place[0], place[1], place[2], place[3]
+    stride = (members >> 3) + 1
+    while asking > 0 or come < n:
+        grant = busy if asking > 0 else max(busy, np.float64(events[come].t - start))
         stamp = start + np.int64(grant)
-        if length == 0 and grant <= span and (come + 1 == n or events[come + 1].t > stamp):
-            out[written] = events[come]  # alone, as most are: the same as below, in a third of the time
+        alone = asking == 0 and kind == FIRST and crowd > 1 and (come + 1 == n or events[come + 1].t > stamp)
+        if alone and grant < span:  # as most are: the same as below, in a third of the time
+            out[written] = events[come]
             out[written].t = stamp
+            last = np.int64(events[come].x if by_column else events[come].y)
             come, written = come + 1, written + 1
             busy = grant + row_us + event_us
             continue
         while come < n and events[come].t <= stamp:
             x, y = np.int64(events[come].x), np.int64(events[come].y)
-            bit = np.uint8(1 << (x & 7))
-            if held[y, x >> 3] & bit == 0:
-                held[y, x >> 3] |= bit
-                waiting[y, counts[y]] = 2 * x + events[come].p
-                if counts[y] == 0:
-                    free = head + length
-                    queue[free if free < rows else free - rows] = y
-                    length += 1
-                counts[y] += 1
+            g, m = (x, y) if by_column else (y, x)
+            byte, bit = g * stride + (m >> 3), np.uint8(1 << (m & 7))
+            if held[byte] & bit == 0:
+                held[byte] |= bit
+                waiting[g * members + counts[g]] = 2 * m + events[come].p
+                if counts[g] == 0:
+                    if kind == FIRST:
+                        free = head + asking
+                        ring[free if free < ring.size else free - ring.size] = g
+                    elif kind != TOKEN:
+                        join(tree, g)
+                    asking += 1
+                counts[g] += 1
             come += 1
-        if grant > span:
+        if grant >= span:
             break
-        row = queue[head]
-        head, length = head + 1 if head + 1 < rows else 0, length - 1
-        asking = waiting[row, : counts[row]]
-        sort_few(asking)
-        for k in range(asking.shape[0]):
-            x = np.int64(asking[k] >> 1)
+        if asking >= crowd and kind != crowded:
+            change_to(crowded, counts, ring, tree)
+            head, kind = 0, crowded
+        if kind == FIRST:
+            last = ring[head]
+            head = head + 1 if head + 1 < ring.size else 0
+        elif kind != TOKEN:
+            last = next_in_tree(kind, last, tree, turn)
+        elif counts[last] == 0:
+            last = last + 1 if last + 1 < counts.size else 0
+            busy = grant + pass_us
+            continue
+        leaving = waiting[last * members : last * members + counts[last]]
+        sort_few(leaving)
+        for k in range(leaving.shape[0]):
+            m = np.int64(leaving[k] >> 1)
             out[written].t = stamp
-            out[written].x, out[written].y, out[written].p = x, row, asking[k] & 1 != 0
-            held[row, x >> 3] = 0
+            out[written].x, out[written].y = (last, m) if by_column else (m, last)
+            out[written].p = leaving[k] & 1 != 0
+            held[last * stride + (m >> 3)] = 0
             written += 1
-        busy = grant + row_us + event_us * counts[row]
-        counts[row] = 0
-    place[0], place[1] = head, length
+        busy = grant + row_us + event_us * counts[last]
+        counts[last] = 0
+        asking -= 1
+        if asking == 0 and kind != usual:
+            change_to(usual, counts, ring, tree)
+            head, kind = 0, usual
+    place[0], place[1], place[2], place[3] = head, asking, last, kind
     busy_us[0] = max(busy - span, 0.0)
     return written
+
+
+@kernel
+def hold(group: Any, member: Any, p: Any, members: Any, held: Any, waiting: Any, counts: Any) -> None:
+    """Events (n,) wait in their pixels, one in each."""
+    for i in range(group.shape[0]):
+        g, m = group[i], member[i]
+        held[g * ((members >> 3) + 1) + (m >> 3)] |= np.uint8(1 << (m & 7))
+        waiting[g * members + counts[g]] = 2 * m + p[i]
+        counts[g] += 1
 
 
 @kernel
