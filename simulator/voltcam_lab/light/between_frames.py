@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, gaussian_filter1d, laplace, uniform_filter1d
 
 from .grey import USUAL_DARK_DN, WHITE_DN
-from .scene import Scene, scene_of
+from .scene import How, Scene, scene_of
 
 NOISIEST_DN = 3.0  # of a difference between frames: more is motion
 STILL_FRAMES = 5
@@ -23,7 +23,8 @@ NEAR_PIXELS = 1.5  # noise is a pixel's own, motion is its neighbours', too
 WIDEST = 0.8  # pixels: the blur of linear interpolation half-way between four pixels is 0.7
 HALVINGS = 5
 ALIKE = 1.02  # ratio of powers that needs no blur
-WELL_SAMPLED = 0.9  # share of the light that is trusted from which nothing better than a cubic is looked for
+CURVES: tuple[How, ...] = ("spline", "cubic")
+WELL_SAMPLED = 0.9  # share of the light that is trusted from which nothing better than a curve is looked for
 HOPELESS = 0.4  # of the brightness: light that is less sure tells nothing more
 
 Image = NDArray[np.float32]
@@ -46,15 +47,17 @@ def scene_between(
     columns: NDArray[np.int64] | None = None,
     doubt: Callable[[Scene], float] = mean_doubt,
 ) -> Scene:
-    """The light of frames (M, H, W) and between them, by a cubic or by motion: that with less doubt.
+    """The light of frames (M, H, W) and between them, by a spline, by a monotone cubic, which suits sudden
+    changes, or by motion: that with less doubt.
 
     columns: only these of the picture.
     """
-    cubic = scene_of(frames if columns is None else frames[:, :, columns], frame_t_us, "cubic")
-    if cubic.trusted().mean() > WELL_SAMPLED:
-        return cubic
+    own = frames if columns is None else frames[:, :, columns]
+    curved = min((scene_of(own, frame_t_us, how) for how in CURVES), key=doubt)
+    if curved.trusted().mean() > WELL_SAMPLED:
+        return curved
     moved = scene_of(frames, frame_t_us, "auto")  # motion is seen in whole frames
-    return min(cubic, moved if columns is None else _in_columns(moved, columns), key=doubt)
+    return min(curved, moved if columns is None else _in_columns(moved, columns), key=doubt)
 
 
 def _in_columns(scene: Scene, columns: NDArray[np.int64]) -> Scene:

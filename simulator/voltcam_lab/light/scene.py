@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,10 @@ from scipy.ndimage import maximum_filter
 from voltcam_video import Frame, Upsampling, between
 
 from .grey import USUAL_DARK_DN
+from .spline import along_spline
 
+How = Upsampling | Literal["spline"]
+"""As in `voltcam_video.between`, or along a spline through all frames."""
 TRUSTED = 0.05  # of the brightness: a quarter of the contrast of a usual threshold
 
 
@@ -28,7 +31,7 @@ class Scene:
     taken_us: NDArray[np.int64]
     images: NDArray[np.float32]
     t_us: NDArray[np.int64]
-    how: Upsampling = "linear"
+    how: How = "linear"
 
     @property
     def height(self) -> int:
@@ -55,13 +58,11 @@ class Scene:
         missed = np.zeros((len(self.taken), self.height * self.width), np.float32)
         for first in (0, 1):
             left, left_us = self.taken[first::2], self.taken_us[first::2]
-            told = {frame.t_us: frame.image for frame in between(_as_frames(left, left_us), self.how)}
-            times = np.array(sorted(told))
+            images, times = _between(left, left_us, self.how)
             for k in range(first + 1, len(self.taken) - 1, 2):
                 after = int(np.searchsorted(times, self.taken_us[k]))
-                early, late = int(times[after - 1]), int(times[after])
-                share = (int(self.taken_us[k]) - early) / (late - early)
-                guess = (1 - share) * told[early].astype(np.float32) + share * told[late]
+                share = (self.taken_us[k] - times[after - 1]) / (times[after] - times[after - 1])
+                guess = (1 - share) * images[after - 1] + share * images[after]
                 missed[k] = np.abs(self.taken[k].astype(np.float32) - guess).ravel()
         return missed
 
@@ -92,14 +93,18 @@ class Scene:
         return np.asarray(4 * phase * (1 - phase) * larger)
 
 
-def scene_of(taken: NDArray[Any], taken_us: NDArray[np.int64], how: Upsampling = "auto") -> Scene:
-    """The scene of frames (M, H, W) at taken_us (M,), with light between them: `how` as in
-    voltcam_video.between."""
-    dense = list(between(_as_frames(taken, taken_us), how))
+def scene_of(taken: NDArray[Any], taken_us: NDArray[np.int64], how: How = "auto") -> Scene:
+    """The scene of frames (M, H, W) at taken_us (M,), with light between them."""
+    return Scene(taken, taken_us, *_between(taken, taken_us, how), how)
+
+
+def _between(
+    taken: NDArray[Any], taken_us: NDArray[np.int64], how: How
+) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
+    """Images (N, H, W) and their times (N,): the frames, and light between them."""
+    if how == "spline":
+        return along_spline(taken, taken_us)
+    frames = map(Frame, taken, taken_us.tolist())
+    dense = list(between(frames, how))
     images = np.stack([frame.image for frame in dense]).astype(np.float32, copy=False)
-    return Scene(taken, taken_us, images, np.array([frame.t_us for frame in dense], np.int64), how)
-
-
-def _as_frames(taken: NDArray[Any], taken_us: NDArray[np.int64]) -> Iterator[Frame]:
-    for image, t_us in zip(taken, taken_us.tolist(), strict=True):
-        yield Frame(image, t_us)
+    return images, np.array([frame.t_us for frame in dense], np.int64)

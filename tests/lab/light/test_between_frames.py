@@ -32,15 +32,23 @@ def between(frames: np.ndarray, *arguments: object) -> Scene:
     return scene_between(frames, PERIOD_US * np.arange(len(frames)), *arguments)  # type: ignore[arg-type]
 
 
-def test_slow_light_goes_along_a_cubic() -> None:
-    assert between(waves(0.05)).how == "cubic"
+def test_waves_of_many_frames_go_along_a_spline() -> None:
+    assert between(waves(0.7)).how == "spline"
+
+
+def test_light_that_jumps_goes_along_a_monotone_curve() -> None:
+    """A spline would swing before and after each jump."""
+    rng = np.random.default_rng(1)
+    steps = rng.integers(0, 2, (24, 1, 1)) * (rng.random((SIDE, SIDE)) < 0.004)
+    frames = (60 + 120 * np.repeat(steps, 4, axis=0)).astype(np.uint8)
+    assert between(frames).how == "cubic"
 
 
 def test_of_fast_light_that_with_less_doubt_is_taken() -> None:
     """Doubt of the caller's own: here, of one way or of the other."""
     frames = waves(2.0)
     assert between(frames).trusted().mean() < 0.9
-    for wanted in ("cubic", "auto"):
+    for wanted in ("spline", "cubic", "auto"):
         assert between(frames, None, lambda scene, wanted=wanted: float(scene.how != wanted)).how == wanted
 
 

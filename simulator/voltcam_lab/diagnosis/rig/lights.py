@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from ...light.between_frames import CURVES
 from ...light.scene import Scene
 from .settings import RigSettings
 
@@ -14,7 +15,7 @@ LightImage = NDArray[np.float32]
 def light_behind(scene: Scene, version: int, settings: RigSettings) -> Iterator[tuple[LightImage, int]]:
     """(H, W) float32 [DN] and its time [us], for each of the scene's images. version: a number."""
     rng = np.random.default_rng(version)
-    more, error = (settings.lights if scene.how == "cubic" else settings.moved_lights)[version]
+    more, error = (settings.lights if scene.how in CURVES else settings.moved_lights)[version]
     shape, last = scene.taken.shape[1:], len(scene.taken_us) - 1
     frame, gap = -1, np.zeros(shape, np.float32)
     for image, t_us in zip(scene.images, scene.t_us.tolist(), strict=True):

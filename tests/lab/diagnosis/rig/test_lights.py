@@ -5,8 +5,7 @@ import pytest
 
 from voltcam_lab.diagnosis.rig.lights import light_behind
 from voltcam_lab.diagnosis.rig.settings import DEFAULT_RIG
-from voltcam_lab.light.scene import scene_of
-from voltcam_video import Upsampling
+from voltcam_lab.light.scene import How, scene_of
 
 
 def frames() -> tuple[np.ndarray, np.ndarray]:
@@ -17,9 +16,9 @@ def frames() -> tuple[np.ndarray, np.ndarray]:
     return images.astype(np.float32), t_us
 
 
-@pytest.mark.parametrize("how", ["cubic", "auto"])
+@pytest.mark.parametrize("how", ["spline", "cubic", "auto"])
 @pytest.mark.parametrize("version", range(len(DEFAULT_RIG.lights)))
-def test_at_each_frame_it_is_the_frame(version: int, how: Upsampling) -> None:
+def test_at_each_frame_it_is_the_frame(version: int, how: How) -> None:
     taken, t_us = frames()
     shown = {t: image for image, t in light_behind(scene_of(taken, t_us, how), version, DEFAULT_RIG)}
     for image, t in zip(taken, t_us.tolist(), strict=True):
@@ -28,7 +27,7 @@ def test_at_each_frame_it_is_the_frame(version: int, how: Upsampling) -> None:
 
 def test_versions_differ_where_light_moves_and_only_there() -> None:
     taken, t_us = frames()
-    scene = scene_of(taken, t_us, "cubic")
+    scene = scene_of(taken, t_us, "spline")
     first, second = (np.stack([image for image, _ in light_behind(scene, k, DEFAULT_RIG)]) for k in (0, 1))
     assert first[:, :, :4] == pytest.approx(np.full_like(first[:, :, :4], 42), abs=1e-3)
     assert second[:, :, :4] == pytest.approx(np.full_like(first[:, :, :4], 42), abs=1e-3)
