@@ -103,7 +103,7 @@ def sentence(diagnosis: Diagnosis, first: View, last: View, settings: SearchSett
     """The verdict in one; first and last are models before and after."""
     gap = f"the gap to the measurement on held-out data {_fell(first, last)}"
     step, residual = diagnosis.steps[-1], diagnosis.residual
-    left = step.excess > settings.proof.closed
+    left = step.excess > settings.unexplained
     form = "" if residual is None else f" A term of unknown origin, {residual.formula}, explains part of it."
     if diagnosis.verdict == "effects":
         names = " and ".join(dict.fromkeys(_with_rivals(found) for found in diagnosis.found))
@@ -193,6 +193,8 @@ def _effect(diagnosis: Diagnosis, found: Found, origin_us: int, settings: Search
         gap_after=after.held_out,
         gap_floor=after.floor_held_out,
         p_value=before.p_value,
+        odds=float(np.exp(found.evidence.log_odds)),
+        stand_ins=found.evidence.wrong,
         rivals=list(found.rivals),
         next_recording=next_recording(found.effect, found.rivals) if found.rivals else None,
     )

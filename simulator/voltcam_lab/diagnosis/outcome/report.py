@@ -105,8 +105,10 @@ def _effects(effects: Sequence[FoundEffect]) -> Markup:
         sizes = Markup("<br>").join(f"{name} = {_interval(size)}" for name, size in one.parameters.items())
         gap = f"{one.gap_before:.2f} → {one.gap_after:.2f} ({one.gap_floor:.2f})"
         rivals = ", ".join(map(in_words, one.rivals)) or "none"
-        rows.append([Markup("<b>{}</b>").format(one.name), sizes, gap, _small(one.p_value), rivals])
-    return table(["effect", "parameters, 90 % interval", "held-out gap (floor)", "p", "rivals"], rows)
+        odds = f"{one.odds:.2g} ({one.stand_ins:.1%})"
+        rows.append([Markup("<b>{}</b>").format(one.name), sizes, gap, _small(one.p_value), odds, rivals])
+    head = ["effect", "parameters, 90 % interval", "held-out gap (floor)", "p", "odds (stand-ins)", "rivals"]
+    return table(head, rows)
 
 
 def _tested(step: SearchStep) -> Markup:

@@ -9,14 +9,13 @@ from numpy.typing import NDArray
 
 from ..catalogue.candidate import Candidate
 from ..rig.whole import NOTICEABLE, Remains
+from .evidence import Evidence, evidence
 from .fit import fitted_by_simulation
 from .hypothesis import Hypothesis
 from .precise import precise
 from .proof import (
     best_to_add,
     confirmed_trials,
-    explain_together,
-    explains,
     fits_better,
     rivals_of,
 )
@@ -31,11 +30,13 @@ Verdict = Literal["effects", "none", "unknown"]
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """An effect that was missing, the step that found it, and those that explain as much."""
+    """An effect that was missing, the step that found it, those that explain as much, and the evidence for
+    it, or for it and those that were needed beside it."""
 
     trial: Trial
     step: SearchStep
     rivals: tuple[str, ...]
+    evidence: Evidence
 
     @property
     def effect(self) -> str:
@@ -127,24 +128,35 @@ def _noticeable(remains: Remains | None) -> bool:
 
 
 def _explained(
-    search: Search, steps: Sequence[SearchStep], trial: Trial, most: int, begin: SearchStep | None = None
+    search: Search, steps: Sequence[SearchStep], trial: Trial, most: int, chain: int = 1
 ) -> list[tuple[Found, SearchStep]] | None:
     """The effects, `most` at most, each with the step after it, that explain the gap of the last of `steps`
-    beginning with `trial`; None where they leave too much of it. begin: the step before others that have not
-    explained it alone."""
+    beginning with `trial`; None where there is too little evidence for them. chain: how many effects the
+    last of these would be, with those that have not explained it alone."""
     search.say(f"Trying {trial.candidate.effect}.")
     settings, step = search.settings, steps[-1]
     after = step_of(search, trial.hypothesis, _left(search.candidates, trial.hypothesis), steps[0])
     search.say(_sentence(after))
-    one = Found(trial, step, rivals_of(settings, step, trial))
-    together = begin is not None and explain_together(settings, begin, step, after)
-    if explains(settings, step, after, steps[0]) or together:
-        return [(one, after)]
+    found = [evidence(steps[-n], after, n, steps[0]) for n in sorted({1, chain})]
+    best = max(found, key=lambda one: (one.enough(settings.naming), one.log_odds))
+    search.say(_weighed(best))
+    if best.enough(settings.naming):
+        return [(Found(trial, step, rivals_of(settings, step, trial), best), after)]
     following = best_to_add(settings, after)
     if most == 1 or following is None:
         return None
-    rest = _explained(search, [*steps, after], following, most - 1, begin or step)
-    return None if rest is None else [(one, after), *rest]
+    rest = _explained(search, [*steps, after], following, most - 1, chain + 1)
+    if rest is None:
+        return None
+    one = Found(trial, step, rivals_of(settings, step, trial), rest[-1][0].evidence)
+    return [(one, after), *rest]
+
+
+def _weighed(found: Evidence) -> str:
+    return (
+        f"So little is left {np.exp(np.clip(found.log_odds, -9, 9)):.2g} times as likely if it is there as if"
+        f" it stood in for something without a name; {found.wrong:.1%} of such leave as little."
+    )
 
 
 def _better_without_name(

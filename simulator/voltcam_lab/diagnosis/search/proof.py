@@ -1,58 +1,11 @@
-"""Tests of an explanation: trials that held-out data confirm, effects that explain a gap, and rivals."""
+"""Which trials may be explanations: those that held-out data confirm, and their rivals."""
 
 import numpy as np
 
-from .robust import huber
 from .settings import SearchSettings
 from .spread import TRAINING, flat
 from .step import SearchStep
 from .trial import Trial
-
-
-def explains(settings: SearchSettings, before: SearchStep, after: SearchStep, first: SearchStep) -> bool:
-    """Whether what was added closes the gap, or so much of it that it is there whatever else is.
-
-    That is nearly all; or most of it at the first step, where no other effect has anything like it; or a
-    part that leaves little, and nearly nothing in the statistics that it moves, of which a wrong effect makes
-    some worse. Effects found since the first step may have left something, too.
-    """
-    proof = settings.proof
-    closed = proof.closed + proof.left_behind * (first.excess - before.excess)
-    removed = 1 - after.excess / max(before.excess, 1e-9)
-    moved = np.abs(after.screen.spread.mean - before.screen.spread.mean) / before.screen.spread.sd
-    own = flat(moved) > proof.moved
-    was, left = (
-        float((huber(flat(step.rest), settings.huber_z) - flat(step.chance))[own].sum())
-        for step in (before, after)
-    )
-    part = removed >= proof.least_share and after.excess <= proof.part_closed
-    alone = part and was > 0 and left <= (1 - proof.share) * was
-    least = proof.closing_share if before is first else proof.least_share
-    nearly_all = proof.share if after.excess <= proof.plain_excess else proof.plain_share
-    distinct = (
-        before is first
-        and removed >= proof.distinct_share
-        and _others_remove(before, after) < proof.others_share
-    )
-    return (after.excess <= closed and removed >= least) or removed >= nearly_all or alone or distinct
-
-
-def _others_remove(before: SearchStep, after: SearchStep) -> float:
-    """The largest share of the gap that any effect but the added one has removed in its trial."""
-    added = after.hypothesis.accepted[-1][0].effect
-    left = [trial.training for trial in before.trials if trial.candidate.effect != added]
-    return (before.training - min(left, default=before.training)) / max(before.excess, 1e-9)
-
-
-def explain_together(
-    settings: SearchSettings, begin: SearchStep, before: SearchStep, after: SearchStep
-) -> bool:
-    """Whether effects none of which explains it alone close nearly all of a gap, the last a good part of
-    what the others leave, and leave nothing that is plain to see: two can take most of any other's place."""
-    proof = settings.proof
-    of_all, of_rest = (1 - after.excess / max(step.excess, 1e-9) for step in (begin, before))
-    plain = after.excess > max(proof.plain_excess, proof.left_behind * begin.excess)
-    return of_all >= proof.together_share and of_rest >= proof.last_share and not plain
 
 
 def confirmed_trials(settings: SearchSettings, step: SearchStep) -> list[Trial]:

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 
 from ..rig.settings import RecordingSettings, RigSettings
 from .settings_fit import Derivatives, ModelError, Priors, Runs, SimulationFit
-from .settings_proof import OpenRoute, Proof, Reporting, ScoreTest, Trials
+from .settings_proof import Naming, OpenRoute, Proof, Reporting, ScoreTest, Trials
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,7 @@ class SearchSettings:
     score_test: ScoreTest = field(default_factory=ScoreTest)
     trials: Trials = field(default_factory=Trials)
     proof: Proof = field(default_factory=Proof)
+    naming: Naming = field(default_factory=Naming)
     open_route: OpenRoute = field(default_factory=OpenRoute)
     reporting: Reporting = field(default_factory=Reporting)
 

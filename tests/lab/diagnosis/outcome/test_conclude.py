@@ -7,6 +7,7 @@ import pytest
 
 from voltcam_lab.diagnosis.outcome.conclude import sentence, size_estimates
 from voltcam_lab.diagnosis.outcome.where import Z_90, View
+from voltcam_lab.diagnosis.search.evidence import Evidence
 from voltcam_lab.diagnosis.search.hypothesis import BASE, Hypothesis
 from voltcam_lab.diagnosis.search.loop import Diagnosis, Found
 from voltcam_lab.diagnosis.search.settings import DEFAULTS
@@ -29,7 +30,7 @@ SEEN = step(4.0, trial(DEAD_TIME, 0.1), trial(MISMATCH, 2.0))
 
 
 def found(*rivals: str, left: float = 0.1) -> Diagnosis:
-    one = Found(trial(DEAD_TIME, 0.1), SEEN, rivals)
+    one = Found(trial(DEAD_TIME, 0.1), SEEN, rivals, Evidence(5.0, 0.001))
     last = step(left, added=DEAD_TIME)
     return Diagnosis("effects", (one,), last.hypothesis, (SEEN, last))
 
@@ -51,7 +52,7 @@ def test_rivals_are_named_beside_it() -> None:
 
 @pytest.mark.parametrize("over", [-0.01, 0.01])
 def test_what_is_left_is_said(over: float) -> None:
-    said = sentence(found(left=DEFAULTS.proof.closed + over), BEFORE, AFTER)
+    said = sentence(found(left=DEFAULTS.unexplained + over), BEFORE, AFTER)
     assert ("What is left has no name in the catalogue." in said) == (over > 0)
 
 

@@ -1,82 +1,22 @@
-"""What counts as an explanation, of steps and trials whose gaps are written down."""
+"""Which trials may be explanations, of steps and trials whose gaps are written down."""
 
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from voltcam_lab.diagnosis.search.proof import (
     best_to_add,
     confirmed_trials,
-    explain_together,
-    explains,
     fits_better,
     plausible_trials,
     rivals_of,
 )
 from voltcam_lab.diagnosis.search.settings import DEFAULTS
-from voltcam_lab.statistics import PARTS
 
 from ..made_rig import DEAD, DEAD_TIME, MISMATCH
-from ..made_steps import SIZE, N, step, trial
+from ..made_steps import SIZE, step, trial
 
 PROOF = DEFAULTS.proof
-RIVAL = trial(MISMATCH, 2.0)  # removes half of a gap of 4
-
-
-@pytest.mark.parametrize(
-    ("gap", "left", "named"),
-    [
-        (4.0, 0.2, True),  # closed
-        (4.0, 0.7, True),  # nine tenths of it, nearly all
-        (4.0, 0.9, False),  # three quarters, where another removes half
-        (0.5, 0.21, False),  # closed, but a small gap is soon closed by half
-        (0.5, 0.19, True),
-        (12.0, 1.15, True),  # nine tenths of a gap after which much is plain to see
-        (12.0, 1.3, False),
-    ],
-)
-def test_a_first_effect_must_close_the_gap_or_nearly(gap: float, left: float, named: bool) -> None:
-    before, after = step(gap, RIVAL), step(left, added=DEAD_TIME)
-    assert explains(DEFAULTS, before, after, before) == named
-
-
-def test_of_most_of_a_gap_it_is_enough_where_no_other_has_anything_like_it() -> None:
-    after = step(0.95, added=DEAD_TIME)
-    with_rival, alone = step(4.0, RIVAL), step(4.0, trial(MISMATCH, 3.5), trial(DEAD_TIME, 1.0))
-    assert not explains(DEFAULTS, with_rival, after, with_rival)
-    assert explains(DEFAULTS, alone, after, alone)
-    assert not explains(DEFAULTS, alone, after, step(9.0))  # only at the first step
-
-
-def test_a_further_effect_needs_less_where_it_closes_the_gap_and_may_leave_what_others_left() -> None:
-    """4 % of what was explained before may be left besides."""
-    first, before = step(8.0), step(0.7, RIVAL)
-    allowed = PROOF.closed + PROOF.left_behind * 7.3
-    assert explains(DEFAULTS, before, step(min(allowed, 0.7 * 0.69), added=DEAD_TIME), first)
-    assert not explains(DEFAULTS, before, step(0.7 * 0.72, added=DEAD_TIME), first)
-    assert not explains(DEFAULTS, step(2.0, RIVAL), step(allowed + 0.05, added=DEAD_TIME), first)
-
-
-def test_a_part_of_a_gap_is_enough_where_all_that_the_effect_moves_is_explained() -> None:
-    """It moves a tenth of the statistics; in these nearly nothing is left, or half."""
-    before, moving = step(0.7, RIVAL), np.zeros((PARTS, N))
-    moving[:, : N // 10] = 3.0
-    for rest, named in ((0.1, True), (1.5, False)):
-        after = step(0.4, added=DEAD_TIME)
-        left = np.where(moving > 0, rest, 2.0)
-        spread = replace(after.screen.spread, mean=moving)
-        after = replace(after, rest=left, screen=replace(after.screen, spread=spread))
-        assert explains(DEFAULTS, before, after, before) == named
-
-
-@pytest.mark.parametrize(
-    ("between", "left", "together"),
-    [(2.0, 0.35, True), (2.0, 0.45, False), (0.6, 0.35, False)],
-    ids=["all of it", "too little of all", "the last too little of the rest"],
-)
-def test_effects_explain_together_what_none_does_alone(between: float, left: float, together: bool) -> None:
-    assert explain_together(DEFAULTS, step(4.0), step(between), step(left)) == together
 
 
 def test_nothing_is_confirmed_within_chance() -> None:

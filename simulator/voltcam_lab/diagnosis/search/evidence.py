@@ -1,0 +1,103 @@
+"""The evidence that effects are there, against something without a name that they can only stand in for.
+
+How well does a wrong explanation explain? The catalogue itself can tell. Each effect is left out once, and
+its signature is made as large as the gap. What the best others leave of it is what stand-ins leave: a
+distribution of shares of the gap. Effects that are there leave what the light between frames leaves, and a
+little for their forms: an amount that is exponential about its mean.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import beta
+
+from .robust import mean_huber
+from .screen import Screen, Signature
+from .settings_proof import Naming
+from .spread import flat
+from .step import SearchStep
+
+Z = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """log_odds: natural logarithm of how much likelier so little is left if the effects are there than if
+    they stand in. wrong: how often stand-ins leave as little."""
+
+    log_odds: float
+    wrong: float
+
+    def enough(self, naming: Naming) -> bool:
+        """Whether the effects are named."""
+        return self.log_odds > 0 and self.wrong <= naming.wrong
+
+
+def evidence(begin: SearchStep, after: SearchStep, effects: int, first: SearchStep) -> Evidence:
+    """For so many effects that bring the gap of one step down to that of another; first: the step before any
+    was found, whose gap is largest."""
+    naming = begin.screen.settings.naming
+    shares = stand_ins(begin.screen, begin.excess, effects)
+    return weighed(begin.excess, max(after.excess, 0.0), max(first.excess, begin.excess), shares, naming)
+
+
+def weighed(excess: float, left: float, largest: float, shares: Sequence[float], naming: Naming) -> Evidence:
+    """For effects that leave so much of an excess, where stand-ins leave these shares.
+
+    largest: the excess before any effect was found; the forms of all of them leave something of it.
+    """
+    share, mean = min(left / excess, 1.0), naming.light + naming.form * largest
+    known, (usual, spread), weight = np.array(shares), naming.usual_stand_in, naming.usual_weight
+    centre = (known.sum() + weight * usual) / (known.size + weight)
+    squares = ((known - centre) ** 2).sum() + weight * (spread**2 + (usual - centre) ** 2)
+    size = centre * (1 - centre) * (known.size + weight) / squares - 1  # by moments
+    size = max(size, 1 / min(centre, 1 - centre))  # no more stand-ins near 0 or 1 than in between
+    law = centre * size, (1 - centre) * size
+    there = np.log(excess / mean) - left / mean
+    inside = np.clip(share, 1e-3, 1 - 1e-3)  # at its ends a density may be nothing
+    return Evidence(float(there - beta.logpdf(inside, *law)), float(beta.cdf(share, *law)))
+
+
+def stand_ins(screen: Screen, excess: float, effects: int) -> list[float]:
+    """The shares that so many of the others leave of each effect's signature, made as large as a gap; of an
+    effect with several the least."""
+    least: dict[str, float] = {}
+    for one in screen.signatures:
+        name = one.candidate.effect
+        z = _as_large(screen, flat(one.column), excess)
+        if z is not None:
+            others = [other for other in screen.signatures if other.candidate.effect != name]
+            least[name] = min(least.get(name, 1.0), _left(screen, z, others, effects) / excess)
+    return list(least.values())
+
+
+def _as_large(screen: Screen, column: Z, excess: float) -> Z | None:
+    """The column times the amount at which own parameters leave so much of it; None where they take it up."""
+    low, high = np.log(screen.settings.naming.amounts)
+    if _rest(screen, np.exp(high) * column) < excess:
+        return None
+    while high - low > screen.settings.naming.amount_log_step:
+        middle = (low + high) / 2
+        low, high = (low, middle) if _rest(screen, np.exp(middle) * column) > excess else (middle, high)
+    return np.asarray(np.exp(high) * column)
+
+
+def _rest(screen: Screen, z: Z) -> float:
+    """The gap that own parameters leave of z."""
+    return mean_huber(z, screen.settings.huber_z) - screen.own(z).gain / z.size
+
+
+def _left(screen: Screen, z: Z, others: Sequence[Signature], effects: int) -> float:
+    """The gap that so many others leave of z, own parameters following, at each turn the best."""
+    left = _rest(screen, z)
+    for _ in range(effects):
+        fits = [(screen.with_effect(z, other), other) for other in others]
+        possible = [(fit, other) for fit, other in fits if fit.x[-1] > 0]
+        if not possible:
+            break
+        fit, best = max(possible, key=lambda one: one[0].gain)
+        left = min(left, mean_huber(z, screen.settings.huber_z) - fit.gain / z.size)
+        z = z - fit.x[-1] * flat(best.column)
+    return left
