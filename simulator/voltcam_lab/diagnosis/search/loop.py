@@ -137,11 +137,10 @@ def _explained(
     settings, step = search.settings, steps[-1]
     after = step_of(search, trial.hypothesis, _left(search.candidates, trial.hypothesis), steps[0])
     search.say(_sentence(after))
-    found = [evidence(steps[-n], after, n, steps[0]) for n in sorted({1, chain})]
-    best = max(found, key=lambda one: (one.enough(settings.naming), one.log_odds))
-    search.say(_weighed(best))
-    if best.enough(settings.naming):
-        return [(Found(trial, step, rivals_of(settings, step, trial), best), after)]
+    found = evidence(steps[-chain], after, chain, steps[0])
+    search.say(_weighed(found))
+    if found.enough(settings.naming):
+        return [(Found(trial, step, rivals_of(settings, step, trial), found), after)]
     following = best_to_add(settings, after)
     if most == 1 or following is None:
         return None
