@@ -24,6 +24,8 @@ from . import Law, Parameters, Simulator, camera_names
 from .kernel import COMPILED
 from .processor import TARGETS, Target
 
+IN_NO_CAMERA = Parameters().changed({"residual_kick": {"after_on": 0.1}})
+"""What compiles so long (16 s) that a daemon would miss frames."""
 STILL_FRAMES, STILL_US = 20, 500_000  # still so long that rows are drawn ahead, and their clock begins anew
 SUDDEN_US = 100  # in which all pixels fire: events so dense are sorted in another way
 LIMIT_S = 600  # for one target, which takes 13
@@ -47,12 +49,11 @@ def main() -> None:
 
 def used_signatures() -> list[Signature]:
     """What the cameras of the package need, under both laws, for frames of bytes and of floats, of light and
-    coded for screens."""
-    for camera, law, dtype, gamma in product(
-        camera_names(), get_args(Law), (np.uint8, np.float32), (1.0, 2.2)
-    ):
-        parameters = Parameters.of(camera).changed({"input_response": {"gamma_exponent": gamma}})
-        simulator = Simulator(16, 12, parameters, law, seed=1)
+    coded for screens, and `IN_NO_CAMERA`."""
+    needs = [*map(Parameters.of, camera_names()), IN_NO_CAMERA]
+    for parameters, law, dtype, gamma in product(needs, get_args(Law), (np.uint8, np.float32), (1.0, 2.2)):
+        coded = parameters.changed({"input_response": {"gamma_exponent": gamma}})
+        simulator = Simulator(16, 12, coded, law, seed=1)
         for i in range(1 + STILL_FRAMES):  # dark, then bright, at last dark at once
             simulator.advance(np.full((12, 16), 200 if i else 20, dtype), i * STILL_US)
         simulator.advance(np.full((12, 16), 20, dtype), STILL_FRAMES * STILL_US + SUDDEN_US)

@@ -6,6 +6,7 @@ import re
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -163,7 +164,8 @@ def emulating(
     try:
         emulator.start()
         yield emulator, listener
-        assert emulator.failure is None
+        if emulator.failure is not None:
+            raise emulator.failure
     finally:
         emulator.stop()
         listener.stop()
@@ -241,14 +243,15 @@ class Daemon:
     ) -> None:
         command = (voltcam_path(), *command, "--http", "127.0.0.1:0", *arguments)
         command += () if own_zmq else ("--zmq", "tcp://127.0.0.1:0")
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self._errors = tempfile.NamedTemporaryFile("w+")  # read while it runs; closed with the daemon
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=self._errors, text=True)
         self.banner = ""
         assert self.process.stdout is not None
         for line in self.process.stdout:
             self.banner += line
             if "Ctrl-C" in line:
                 break
-        assert "Ctrl-C" in self.banner, self.process.communicate()[1]
+        assert "Ctrl-C" in self.banner, (self.process.wait(PATIENCE_S), self.log)
         page = re.search(r"http://\S+", self.banner)
         assert page is not None
         self.url = page[0]
@@ -257,6 +260,11 @@ class Daemon:
             return
         until(lambda: httpx.get(self.url + "readyz", trust_env=False).is_success, "ready")
         self.zmq = str(self.get("camera")["zmq"])
+
+    @property
+    def log(self) -> str:
+        """What it has said on standard error."""
+        return Path(self._errors.name).read_text()
 
     def get(self, path: str) -> Any:
         return self.http.get(path).raise_for_status().json()
@@ -268,7 +276,7 @@ class Daemon:
         """Exit status, standard error but for the log, and how many seconds the end took."""
         began_s = time.monotonic()
         self.process.send_signal(number)
-        self.log = self.process.communicate(timeout=PATIENCE_S)[1]
+        self.process.communicate(timeout=PATIENCE_S)
         errors = "".join(line for line in self.log.splitlines(keepends=True) if not LOGGED.match(line))
         return self.process.returncode, errors, time.monotonic() - began_s
 

@@ -15,13 +15,19 @@ import httpx
 import pytest
 
 from voltcam_server.access import Tokens
+from voltcam_server.compiling import CompiledEffects
 from voltcam_server.transports import WebSocketTransport
+from voltcam_simulator import Parameters
 
 from .rig import SCENE, app_of, emulating, open_access, running, web_server
 
 VIEW, CONTROL = "view-" + "v" * 20, "control-" + "c" * 20
 EXAMPLES = 15  # of each operation, beside the limits of every value, which are tried all
 EXAMPLES_OF_REFUSED = 3  # of one who is let in nowhere: all answers are alike
+# From a clone these take 25 and 16 s to compile: the client waits 10 s. A wheel brings them compiled.
+SLOW_TO_COMPILE = Parameters().changed(
+    {"photoreceptor_bandwidth": {"cutoff_hz": 100}, "residual_kick": {"after_on": 0.1}}
+)
 # A path that is well-formed may still be that of no file.
 CONFIG = """
 [[operations]]
@@ -36,6 +42,7 @@ def address(guarded: bool, tmp_path: Path) -> Iterator[str]:
     folder = tmp_path / "recordings"
     folder.mkdir()
     access = open_access(folder, source_folders=[folder], source_urls=[], streams=[])
+    CompiledEffects("exact").prepare(SLOW_TO_COMPILE)
     with (
         emulating(SCENE) as (emulator, _),
         web_server(

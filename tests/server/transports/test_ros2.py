@@ -211,7 +211,7 @@ def test_what_ros2_has_no_message_for_is_left_out(transport: Ros2Transport) -> N
 
 def test_a_stalled_reader_costs_only_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It is reliable, and stopped: all that it would have is more than waits for it."""
-    history, count, events = 2**21, 300, 8000
+    history, count, events = 2**18, 50, 8000
     monkeypatch.setattr(ros2_module, "HISTORY_BYTES", history)
     assert count * 8 * events > 5 * history
     transport = Ros2Transport(own_namespace(), "libcaer", LARGEST)
