@@ -243,7 +243,8 @@ class Daemon:
     ) -> None:
         command = (voltcam_path(), *command, "--http", "127.0.0.1:0", *arguments)
         command += () if own_zmq else ("--zmq", "tcp://127.0.0.1:0")
-        self._errors = tempfile.NamedTemporaryFile("w+")  # read while it runs; closed with the daemon
+        self._told: str | None = None
+        self._errors = tempfile.NamedTemporaryFile("w+")  # noqa: SIM115
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=self._errors, text=True)
         self.banner = ""
         assert self.process.stdout is not None
@@ -264,7 +265,7 @@ class Daemon:
     @property
     def log(self) -> str:
         """What it has said on standard error."""
-        return Path(self._errors.name).read_text()
+        return Path(self._errors.name).read_text() if self._told is None else self._told
 
     def get(self, path: str) -> Any:
         return self.http.get(path).raise_for_status().json()
@@ -277,6 +278,8 @@ class Daemon:
         began_s = time.monotonic()
         self.process.send_signal(number)
         self.process.communicate(timeout=PATIENCE_S)
+        self._told = self.log
+        self._errors.close()
         errors = "".join(line for line in self.log.splitlines(keepends=True) if not LOGGED.match(line))
         return self.process.returncode, errors, time.monotonic() - began_s
 
