@@ -121,20 +121,21 @@ def camera_from(
         parameters, notes = fitted.parameters, notes + list(fitted.notes)
     else:
         found = calibrate(reading, seed, report)
-        parameters, estimates = found.parameters, found.estimates
+        estimates = found.estimates
         notes += _notes_of(found)
+        alone = base.parameters.changed(_own(found.parameters)) if base and refining else found.parameters
+        parameters, said = _with_camera(inspection, reading, cut, alone, seed, report)
         if refining:
-            parameters = base.parameters.changed(_own(parameters)) if base else parameters
             refined = _refined(inspection, reading, cut, parameters, seed, report)
             worth = refined.after < WORTH_IT * refined.before
             moved = _moved(parameters, refined.parameters) if worth else ()
             notes.append(_told(refined, worth))
-            parameters = refined.parameters if worth else parameters
+            if worth:  # what frames do is fitted to the pixels as they are now
+                pixels = refined.parameters.changed({"aps_coupling": alone.aps_coupling.model_dump()})
+                parameters, said = _with_camera(inspection, reading, cut, pixels, seed, report)
             estimates = tuple(
                 one.reaching(getattr(getattr(parameters, one.effect), one.parameter)) for one in estimates
             )
-    if method == "exact":
-        parameters, said = _with_camera(inspection, reading, cut, parameters, seed, report)
         notes += said
     known: dict[str, Any] = _own(parameters) | _faulty(inspection)
     if temperature_c is not None:
@@ -161,10 +162,16 @@ def _refined(
     seed: int,
     report: Callable[[str], None],
 ) -> Refined:
-    """The camera will see other scenes, so light is what it is there: frames, and what is between them."""
+    """The camera will see other scenes, so light is what it is there: frames, and what is between them.
+
+    Where what frames do to events is in the parameters, events about exposures count as all others. Else
+    they are left out.
+    """
     scene, frames, t_us = reading.scene, inspection.footage.frames, inspection.footage.frame_t_us
     whole = Region.whole(scene.width, scene.height, int(t_us[0]), int(t_us[-1]))
-    region = whole.on(reading.keep).without(inspection.exposure_windows)
+    region = whole.on(reading.keep)
+    if not start.aps_coupling.active:
+        region = region.without(inspection.exposure_windows)
     light = FrameLight(np.asarray(frames[:, *cut], np.uint8), t_us)
     return refine(
         reading.events, scene, light, region, start, seed, report, same_light=True, longest=SIMULATED

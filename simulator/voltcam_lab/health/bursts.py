@@ -1,12 +1,12 @@
 """Events that come with the camera's frames: the moments around a frame to mask.
 
-A moment is one with more events than other moments of the same frames have: by a t test over the frames, so
-that a scene's own bursts do not count, at several widths, for ON and OFF, for pixels at rest and others.
-t above 5 in about 2000 tests: less than 1 % to find one where there is none.
+A moment is one with more events than other moments of the same frames have, or fewer: by a t test over the
+frames, so that a scene's own bursts do not count, at several widths, for ON and OFF, for pixels at rest and
+others. |t| above 5 in about 2000 tests: less than 1 % to find one where there is none.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +17,18 @@ from .subject import Subject
 
 _WIDTHS_US = (100, 400, 1600, 5000)
 _T_TEST = 5.0
-_EXCESS = 0.3  # of the rate elsewhere: less is not worth a mask
+_EXCESS = 0.3  # of the rate elsewhere, more or less: what differs by less is not worth a mask
 _FEWEST = 20  # events of a moment
 _JOIN_US = 500
 _BEFORE_US = 100  # the least width: a row's delay is known less well than that
 _AFTER_US = 500  # of a row's kick: pixels that it made fire are missing among those about to
+
+
+class Moments(NamedTuple):
+    """(K, 2) [us after a frame's time] each, in order."""
+
+    more: Windows
+    fewer: Windows
 
 
 @dataclass(frozen=True)
@@ -34,25 +41,32 @@ class FrameBurst:
     off: float
 
 
-def find_bursts(subject: Subject, scan: RowScan | None) -> tuple[FrameBurst, ...]:
-    """The moments to mask, in order: as narrow as the bursts are, for all rows where those take turns.
+def find_moments(subject: Subject, scan: RowScan | None) -> Moments:
+    """Moments with more events, and with fewer: as narrow as they are, for all rows where those take turns.
 
     scan: of the events at rest.
     """
     near, phase_us = subject.nearest_frame >= 0, subject.since_frame_us
-    spans = _spans(subject, phase_us, [near & (subject.on == on) for on in (True, False)])
     rest = near & subject.at_rest
-    spans += _spans(subject, phase_us, [rest & subject.on, rest & ~subject.on, rest])
+    groups = [near & subject.on, near & ~subject.on]
+    parts = [_moments(subject, phase_us, groups)]
+    parts.append(_moments(subject, phase_us, [rest & subject.on, rest & ~subject.on, rest]))
     if scan is not None:
         last_us = round(scan.us_per_row * (subject.footage.height - 1))
-        for begin, end in _spans(subject, without_delay_us(subject, scan), [rest]):
-            spans.append((begin + min(last_us, 0), end + max(last_us, 0)))
-    return tuple(_burst(subject, begin, end) for begin, end in joined(spans, _JOIN_US).tolist())
+        reach = np.array([min(last_us, 0), max(last_us, 0)])
+        own = _moments(subject, without_delay_us(subject, scan), [rest])
+        parts.append(Moments(*(spans + reach for spans in own)))
+    return Moments(*(joined(np.concatenate(spans), _JOIN_US) for spans in zip(*parts, strict=True)))
 
 
-def exposure_windows_of(bursts: Sequence[FrameBurst], frame_t_us: NDArray[np.int64]) -> Windows:
-    """The times of every burst at every frame."""
-    return around(frame_t_us, joined([(burst.begin_us, burst.end_us) for burst in bursts]))
+def bursts_of(subject: Subject, moments: Moments) -> tuple[FrameBurst, ...]:
+    """Those with more events, in order."""
+    return tuple(_burst(subject, begin, end) for begin, end in moments.more.tolist())
+
+
+def windows_of(moments: Moments, frame_t_us: NDArray[np.int64]) -> Windows:
+    """The times of every moment at every frame."""
+    return around(frame_t_us, joined(np.concatenate(moments), _JOIN_US))
 
 
 def row_mask(subject: Subject, scan: RowScan) -> Mask:
@@ -60,55 +74,67 @@ def row_mask(subject: Subject, scan: RowScan) -> Mask:
     near = subject.nearest_frame >= 0
     straight_us, frame_t_us = without_delay_us(subject, scan), subject.light.t_us
     groups = [near & subject.at_rest, near & subject.on, near & ~subject.on]
-    found = [(begin - _BEFORE_US, end + _AFTER_US) for begin, end in _spans(subject, straight_us, groups)]
-    spans = joined(found, _JOIN_US)
+    found = np.concatenate(_moments(subject, straight_us, groups))
+    spans = joined(found + np.array([-_BEFORE_US, _AFTER_US]), _JOIN_US)
     kicked = within(straight_us, spans)
-    at_once = joined(_spans(subject, subject.since_frame_us, [group & ~kicked for group in groups]), _JOIN_US)
+    # Rows whose moment it is are missing here: fewer events mean nothing.
+    more, _ = _moments(subject, subject.since_frame_us, [group & ~kicked for group in groups])
+    at_once = joined(more, _JOIN_US)
     return Mask(around(frame_t_us, at_once), around(frame_t_us, spans), scan.us_per_row)
 
 
-def _spans(
-    subject: Subject, phase: NDArray[np.int64], groups: list[NDArray[np.bool_]]
-) -> list[tuple[int, int]]:
-    """Begin and end of the moments that have more events of one of the groups than others have."""
+def _moments(subject: Subject, phase: NDArray[np.int64], groups: list[NDArray[np.bool_]]) -> Moments:
+    """The moments that have more events of one of the groups than others have, and those that have fewer."""
     half_us = round(subject.period_us / 2)
-    found = np.zeros(2 * half_us, np.bool_)  # by microsecond
+    found = np.zeros(2 * half_us, np.int8)  # by microsecond: 1 more, -1 fewer
     place = np.clip(phase + half_us, 0, found.size - 1)
     for width_us in _WIDTHS_US:
         bins = found.size // width_us
         if bins < 8:
             continue
         bin_of_us = np.arange(found.size) * bins // found.size
-        free = np.bincount(bin_of_us[~found], minlength=bins) / width_us  # what narrower windows have left
+        free = np.bincount(bin_of_us[found == 0], minlength=bins) / width_us  # what narrower ones have left
         usable = free > 0.5
         if not usable.any():
             break
-        new = np.zeros(bins, np.bool_)
+        new = np.zeros(bins, np.int8)
         for group in groups:
-            fresh = group & ~found[place]
+            fresh = group & (found[place] == 0)
             cells = subject.nearest_frame[fresh] * bins + bin_of_us[place[fresh]]
             counts = np.bincount(cells, minlength=len(subject.light.t_us) * bins).reshape(-1, bins)
-            new[usable] |= _excess(counts[:, usable] / free[usable])
-        found |= new[bin_of_us]
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], found, [False]]))) - half_us
-    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+            unusual = _unusual(counts[:, usable] / free[usable])
+            new[usable] = np.where(new[usable] > 0, 1, np.where(unusual != 0, unusual, new[usable]))
+        found = np.where(found == 0, new[bin_of_us], found)
+    return Moments(*(_spans_of(found == sign) - half_us for sign in (1, -1)))
 
 
-def _excess(counts: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """counts: (frames, moments). The moments with more events than the others have."""
+def _spans_of(inside: NDArray[np.bool_]) -> Windows:
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]])))
+    return edges.reshape(-1, 2).astype(np.int64)
+
+
+def _unusual(counts: NDArray[np.float64]) -> NDArray[np.int8]:
+    """counts: (frames, moments). 1 for moments with more events than others have, -1 with fewer, 0 the rest.
+
+    A kick takes pixels to their thresholds sooner, so that a lull follows its burst. What is usual is
+    therefore told by the half of the period before the fullest moment.
+    """
     frames, total = len(counts), counts.sum(0)
-    usual: NDArray[np.bool_] = total <= np.quantile(total, 0.3)
-    found = np.zeros_like(usual)
+    before = np.roll(np.arange(total.size) < total.size // 2, int(total.argmax()) - total.size // 2)
+    usual: NDArray[np.bool_] = before & (total <= np.quantile(total[before], 0.3))
+    found = np.zeros(total.size, np.int8)
     for _ in range(20):
         level = counts[:, usual].mean(1)
         more = counts - level[:, None]
         variance = np.maximum(more.var(0, ddof=1), level.mean()) / frames
         with np.errstate(divide="ignore", invalid="ignore"):
             t = np.nan_to_num(more.mean(0) / np.sqrt(variance))
-        found = (t > _T_TEST) & (more.mean(0) > _EXCESS * level.mean()) & (total >= _FEWEST)
-        if np.array_equal(~found, usual) or found.mean() > 0.75:
+        much = (np.abs(more.mean(0)) > _EXCESS * level.mean()) & (np.maximum(total, level.sum()) >= _FEWEST)
+        found = np.where((np.abs(t) > _T_TEST) & much, np.sign(t), 0).astype(np.int8)
+        still = before & (found == 0)
+        if np.array_equal(still, usual) or np.count_nonzero(found) > 0.75 * found.size:
             break
-        usual = ~found
+        usual = still
     return found
 
 

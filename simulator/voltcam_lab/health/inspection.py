@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ..recordings import Footage
 from ..windows import Mask, Windows, total_us, within
 from . import basics, sensor
-from .bursts import FrameBurst, exposure_windows_of, find_bursts, row_mask
+from .bursts import FrameBurst, Moments, bursts_of, find_moments, row_mask, windows_of
 from .bus import Bus, find_bus
 from .content import Content
 from .finding import Finding, Health
@@ -79,14 +79,19 @@ class Inspection:
         return None if self.row_scan is None else self.row_scan.us_per_row
 
     @cached_property
+    def moments(self) -> Moments:
+        """Those about a frame's time with more events than others, and with fewer."""
+        return find_moments(self.subject, self.scan_at_rest)
+
+    @cached_property
     def bursts(self) -> tuple[FrameBurst, ...]:
         """The moments about a frame's time at which the camera's own readout makes events, in order."""
-        return find_bursts(self.subject, self.scan_at_rest)
+        return bursts_of(self.subject, self.moments)
 
     @cached_property
     def exposure_windows(self) -> Windows:
-        """(M, 2) [us]: the bursts of all frames, of all rows."""
-        return exposure_windows_of(self.bursts, self.light.t_us)
+        """(M, 2) [us]: the bursts of all frames and the lulls behind them, of all rows."""
+        return windows_of(self.moments, self.light.t_us)
 
     @cached_property
     def mask(self) -> Mask:

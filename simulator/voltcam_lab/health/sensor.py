@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..windows import Windows, total_us, within
+from ..windows import Windows, around, joined, total_us, within
 from .bursts import FrameBurst
 from .finding import EventsLate, Finding
 from .lag import Lag
@@ -127,8 +127,9 @@ def faulty_pixels(subject: Subject, hot: NDArray[np.bool_], silent: NDArray[np.b
 
 
 def frame_locked(subject: Subject, bursts: Sequence[FrameBurst], windows: Windows) -> Finding:
-    """Events that come with the frames. windows: the times of all bursts."""
-    inside = within(subject.t_us, windows)
+    """Events that come with the frames. windows: what to leave out, the lulls behind the bursts, too."""
+    crowded = around(subject.light.t_us, joined([(one.begin_us, one.end_us) for one in bursts]))
+    inside = within(subject.t_us, crowded)
     span = float(subject.light.t_us[-1] - subject.light.t_us[0])
     time_share = total_us(windows) / span
     shares = {

@@ -8,7 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import yaml
-from tests.lab.health.made import HEIGHT, WIDTH, healthy, some_events, well, with_events
+from tests.lab.health.made import (
+    HEIGHT,
+    WIDTH,
+    frame_locked,
+    healthy,
+    some_events,
+    well,
+    with_events,
+)
 
 from voltcam_lab.calibration import camera_from as module
 from voltcam_lab.calibration.calibrate import Calibration, CalibrationError
@@ -17,8 +25,10 @@ from voltcam_lab.calibration.estimates import correlations, estimates_of, noise_
 from voltcam_lab.calibration.fit import PRIOR, Fit
 from voltcam_lab.calibration.reading import Reading
 from voltcam_lab.calibration.refine.refine import Refined
+from voltcam_lab.distances import Region
 from voltcam_lab.health import inspect
 from voltcam_lab.light.scene import Scene, scene_of
+from voltcam_lab.windows import within
 from voltcam_simulator import Camera, Parameters
 from voltcam_simulator.camera_file import intervals_of
 from voltcam_simulator.effects.junction_leak import arrhenius
@@ -152,14 +162,49 @@ def test_what_behaves_more_alike_is_taken_if_it_is_worth_it(
 
     monkeypatch.setattr(module, "refine", refined)
     found = camera_from(well())
-    moved = (("contrast_response.k1", 6.123456, 7.0), ("latency.delay_us", 0.0, 900.0))
-    assert sorted(found.moved) == (sorted(moved) if taken else [])
+    moved = {name: (before, now) for name, before, now in found.moved}
+    assert set(moved) == ({"contrast_response.k1", "latency.delay_us"} if taken else set())
+    if taken:
+        assert moved["contrast_response.k1"] == (6.123456, 7.0)
+        assert moved["latency.delay_us"][1] == 900.0
     assert found.camera.parameters.contrast_response.k1 == (7.0 if taken else 6.123456)
     said = "were moved to behave as the recording does" if taken else "are the likeliest"
     assert any(said in note for note in found.notes)
     for one in found.estimates:  # a file does not contradict the intervals printed with it
         value = getattr(getattr(found.camera.parameters, one.effect), one.parameter)
         assert one.low <= value <= one.high
+
+
+@pytest.mark.parametrize("kick", [0.1, 0.0])
+def test_events_about_exposures_count_where_the_camera_has_what_makes_them(
+    monkeypatch: pytest.MonkeyPatch, kick: float
+) -> None:
+    """And what frames do is fitted again to the pixels that come of it."""
+    inspection = inspect(frame_locked(rows_us=0))
+    pixels: list[Parameters] = []
+    regions: list[Region] = []
+
+    def with_frames(
+        _: object, __: object, ___: object, own: Parameters, *____: object
+    ) -> tuple[Parameters, None]:
+        pixels.append(own)
+        return own.changed({"aps_coupling": {"exposure_kick": kick}}), None
+
+    def refined(
+        _: object, scene: Scene, __: object, region: Region, start: Parameters, *___: object, **____: object
+    ) -> Refined:
+        regions.append(region)
+        return Refined(start.changed({"contrast_response": {"k1": 7.0}}), scene, "", (), (), 1.0, 0.5)
+
+    monkeypatch.setattr(module, "with_frames_of", with_frames)
+    monkeypatch.setattr(module, "refine", refined)
+    found = camera_from(inspection).camera.parameters
+    (region,) = regions
+    middle_us = inspection.exposure_windows.mean(axis=1)[1:-1]
+    assert set(within(middle_us, region.live).tolist()) == {kick > 0}
+    assert [own.contrast_response.k1 for own in pixels] == [6.123456, 7.0]
+    assert not any(own.aps_coupling.active for own in pixels)
+    assert (found.contrast_response.k1, found.aps_coupling.exposure_kick) == (7.0, kick)
 
 
 def test_a_recording_of_no_use_is_refused_with_its_fault(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,8 +1,10 @@
 """Events that are locked to the frames."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from tests.lab.health.made import frame_locked, healthy
+from tests.lab.health.made import PERIOD_US, frame_locked, healthy
 
 from voltcam_lab.health import inspect
 
@@ -27,3 +29,21 @@ def test_bursts_locked_to_the_frames() -> None:
 def test_no_burst_is_seen_where_there_is_none(seed: int) -> None:
     """At most one recording in a hundred has one."""
     assert inspect(healthy(2.0, seed)).exposure_windows.shape == (0, 2)
+
+
+def test_the_lull_behind_a_burst_is_left_out_with_it() -> None:
+    """For half the period nearly nothing comes: that is no usual time, and the other half no burst."""
+    recording = frame_locked(rows_us=0)
+    since_us = (recording.events["t"] - recording.frame_t_us[0]) % PERIOD_US
+    quiet = (since_us > 800) & (since_us < 13_300)
+    kept = ~quiet | (np.random.default_rng(2).random(quiet.size) < 0.1)
+    found = inspect(replace(recording, events=recording.events[kept])).exposure_windows
+    begin_us, end_us = (
+        found.min(axis=1)[5:] - recording.frame_t_us[0],
+        found.max(axis=1)[5:] - recording.frame_t_us[0],
+    )
+    masked = np.zeros(PERIOD_US, bool)
+    for begin, end in zip(begin_us, end_us, strict=True):
+        masked[np.arange(begin, end) % PERIOD_US] = True
+    assert masked[900:13_200].mean() > 0.95
+    assert masked[15_000:].mean() < 0.05

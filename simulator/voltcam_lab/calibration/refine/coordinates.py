@@ -38,6 +38,7 @@ OFFERED: tuple[tuple[str, tuple[float, ...]], ...] = (
 """Mechanisms that may be there or not, the likely ones first, and sizes to try them at."""
 
 DELAYS_US = (100.0, 1000.0, 2000.0, 4000.0, 8000.0)
+PERIODS_US = (400.0, 1600.0)
 BENT = ("gain", "knee_dn", "on_over_off")
 ABSENT = {"gamma": 1.0} | {name: 0.0 for name, _ in OFFERED}
 PLACES = (
@@ -84,6 +85,8 @@ def parameters_at(point: Point, base: Parameters) -> Parameters:
         "k2_dn": WHITE_DN * (point["knee_dn"] / WHITE_DN) ** gamma,
     }
     changes["comparator"] = {"theta_on": ratio, "theta_off": 1 / ratio}
+    sooner_us = base.latency.delay_us - point["delay_us"]  # what frames do is seen when it was
+    changes["aps_coupling"] = {"offset_us": base.aps_coupling.offset_us + sooner_us}
     return base.changed(changes)
 
 

@@ -44,6 +44,12 @@ def test_a_camera_that_comes_back_is_the_same_in_every_coordinate() -> None:
     assert again == pytest.approx(point)
 
 
+def test_what_frames_do_is_seen_at_the_same_time_with_another_delay() -> None:
+    camera = START.changed({"latency": {"delay_us": 1000.0}, "aps_coupling": {"offset_us": 700.0}})
+    moved = parameters_at(point_of(camera) | {"delay_us": 1600.0}, camera)
+    assert (moved.latency.delay_us, moved.aps_coupling.offset_us) == (1600.0, 100.0)
+
+
 def test_what_may_be_absent_is_absent_in_a_plain_camera() -> None:
     point = point_of(Parameters.of("ideal"))
     assert {name: point[name] for name in ABSENT if name != "k6"} == {
