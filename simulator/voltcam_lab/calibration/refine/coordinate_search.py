@@ -103,12 +103,10 @@ class CoordinateSearch:
         point = dict(point)
         point["delay_us"], point["period_us"] = max(point["delay_us"], 100.0), max(point["period_us"], 100.0)
         best = self.score(point)
-        # Events that come early or late bend all the rest; a dead time below all intervals does nothing.
-        for name, sizes in (("delay_us", DELAYS_US), ("period_us", PERIODS_US)):
-            for size in sizes:
-                tried, value = self.moved(point | {name: size}, ("gain",), 0.3, 2)
-                if value < best:
-                    point, best = tried, value
+        for late_us in DELAYS_US:  # events that come early or late bend all the rest
+            tried, value = self.moved(point | {"delay_us": late_us}, ("gain",), 0.3, 2)
+            if value < best:
+                point, best = tried, value
         for names in (("reset_spread",), ("k3", "k6"), ("k4_per_us", "k5_per_dn_us"), ("threshold_spread",)):
             for share in (0.0, 0.3):
                 tried = point | {name: share * point[name] for name in names}

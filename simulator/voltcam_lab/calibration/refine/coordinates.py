@@ -38,7 +38,6 @@ OFFERED: tuple[tuple[str, tuple[float, ...]], ...] = (
 """Mechanisms that may be there or not, the likely ones first, and sizes to try them at."""
 
 DELAYS_US = (100.0, 1000.0, 2000.0, 4000.0, 8000.0)
-PERIODS_US = (400.0, 1600.0)
 BENT = ("gain", "knee_dn", "on_over_off")
 ABSENT = {"gamma": 1.0} | {name: 0.0 for name, _ in OFFERED}
 PLACES = (
