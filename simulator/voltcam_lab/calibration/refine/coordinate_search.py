@@ -13,17 +13,7 @@ from ...distances import Region
 from ...light.between_frames import calmed, evened, sharpened
 from ...light.grey import WHITE_DN
 from ...light.scene import Scene
-from .coordinates import (
-    ABSENT,
-    BENT,
-    CORE,
-    DELAYS_US,
-    OFFERED,
-    PERIODS_US,
-    Point,
-    parameters_at,
-    with_curvature,
-)
+from .coordinates import ABSENT, BENT, CORE, DELAYS_US, OFFERED, Point, parameters_at, with_curvature
 from .goal import Goal
 from .replay import Replay
 
