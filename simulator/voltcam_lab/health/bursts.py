@@ -19,6 +19,7 @@ _WIDTHS_US = (100, 400, 1600, 5000)
 _T_TEST = 5.0
 _EXCESS = 0.3  # of the rate elsewhere, more or less: what differs by less is not worth a mask
 _FEWEST = 20  # events of a moment
+_MOST = 0.75  # of the period: where more of it is unusual, nothing is usual
 _JOIN_US = 500
 _BEFORE_US = 100  # the least width: a row's delay is known less well than that
 _AFTER_US = 500  # of a row's kick: pixels that it made fire are missing among those about to
@@ -77,15 +78,33 @@ def row_mask(subject: Subject, scan: RowScan) -> Mask:
     found = np.concatenate(_moments(subject, straight_us, groups))
     spans = joined(found + np.array([-_BEFORE_US, _AFTER_US]), _JOIN_US)
     kicked = within(straight_us, spans)
-    # Rows whose moment it is are missing here: fewer events mean nothing.
-    more, _ = _moments(subject, subject.since_frame_us, [group & ~kicked for group in groups])
-    at_once = joined(more, _JOIN_US)
-    return Mask(around(frame_t_us, at_once), around(frame_t_us, spans), scan.us_per_row)
+    others = [group & ~kicked for group in groups]
+    # Rows have more and less of the scene, so that fewer events mean little where some rows are missing.
+    at_once, _ = _moments(subject, subject.since_frame_us, others, _left(subject, scan, spans))
+    return Mask(around(frame_t_us, joined(at_once, _JOIN_US)), around(frame_t_us, spans), scan.us_per_row)
 
 
-def _moments(subject: Subject, phase: NDArray[np.int64], groups: list[NDArray[np.bool_]]) -> Moments:
-    """The moments that have more events of one of the groups than others have, and those that have fewer."""
+def _left(subject: Subject, scan: RowScan, spans: Windows) -> NDArray[np.float64]:
+    """The share of the rows whose own spans it is not, by microsecond of the period."""
+    half_us, height = round(subject.period_us / 2), subject.footage.height
+    delays_us = np.rint(scan.us_per_row * np.arange(height)).astype(np.int64)
+    taken = np.zeros(2 * half_us)
+    for begin, end in spans.tolist():
+        span = np.arange(begin, end) + half_us
+        np.add.at(taken, (span + delays_us[:, None]) % taken.size, 1 / height)
+    return 1 - np.minimum(taken, 1)
+
+
+def _moments(
+    subject: Subject, phase: NDArray[np.int64], groups: list[NDArray[np.bool_]],
+    left: NDArray[np.float64] | None = None,
+) -> Moments:  # fmt: skip
+    """The moments that have more events of one of the groups than others have, and those that have fewer.
+
+    left: by microsecond of the period, the share of the events that can be in a group at all; None: all.
+    """
     half_us = round(subject.period_us / 2)
+    left = np.ones(2 * half_us) if left is None else left
     found = np.zeros(2 * half_us, np.int8)  # by microsecond: 1 more, -1 fewer
     place = np.clip(phase + half_us, 0, found.size - 1)
     for width_us in _WIDTHS_US:
@@ -93,7 +112,7 @@ def _moments(subject: Subject, phase: NDArray[np.int64], groups: list[NDArray[np
         if bins < 8:
             continue
         bin_of_us = np.arange(found.size) * bins // found.size
-        free = np.bincount(bin_of_us[found == 0], minlength=bins) / width_us  # what narrower ones have left
+        free = np.bincount(bin_of_us, (found == 0) * left, bins) / width_us  # less what narrower ones have
         usable = free > 0.5
         if not usable.any():
             break
@@ -132,7 +151,9 @@ def _unusual(counts: NDArray[np.float64]) -> NDArray[np.int8]:
         much = (np.abs(more.mean(0)) > _EXCESS * level.mean()) & (np.maximum(total, level.sum()) >= _FEWEST)
         found = np.where((np.abs(t) > _T_TEST) & much, np.sign(t), 0).astype(np.int8)
         still = before & (found == 0)
-        if np.array_equal(still, usual) or np.count_nonzero(found) > 0.75 * found.size:
+        if np.count_nonzero(found) > _MOST * found.size:
+            return np.zeros_like(found)
+        if np.array_equal(still, usual):
             break
         usual = still
     return found

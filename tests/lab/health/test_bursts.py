@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.lab.health.made import PERIOD_US, frame_locked, healthy
+from tests.lab.health.made import HEIGHT, PERIOD_US, WIDTH, frame_locked, healthy, some_events, with_events
 
 from voltcam_lab.health import inspect
 
@@ -47,3 +47,15 @@ def test_the_lull_behind_a_burst_is_left_out_with_it() -> None:
         masked[np.arange(begin, end) % PERIOD_US] = True
     assert masked[900:13_200].mean() > 0.95
     assert masked[15_000:].mean() < 0.05
+
+
+def test_where_all_rows_are_left_out_nothing_else_is_unusual() -> None:
+    """Bursts of rows are longer than their scan: for three milliseconds no row is left to tell anything."""
+    rng = np.random.default_rng(7)
+    frames = np.repeat(healthy().frame_t_us, 400)
+    y = rng.integers(0, HEIGHT, frames.size)
+    t_us = frames + 20 * y + rng.integers(0, 4000, frames.size)
+    found = inspect(with_events(healthy(), some_events(t_us, rng.integers(0, WIDTH, frames.size), y, True)))
+    assert found.row_time_us == pytest.approx(20, abs=3)
+    span = int(frames[0]), int(frames[-1])
+    assert 4000 / PERIOD_US < found.mask.share(*span) < 0.3
