@@ -17,7 +17,7 @@ import yaml
 from tests.docs.blocks import ROOT, Block, blocks, pages
 from tests.docs.commands import commands, names, parse, parser_of
 from tests.docs.things import images, make
-from tests.server.rig import Daemon
+from tests.server.process import Daemon
 
 from voltcam_server.dataset.spec import spec_of
 from voltcam_server.settings import Settings, load

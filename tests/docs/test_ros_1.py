@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from tests.docs.blocks import DOCS
 from tests.roscore import Ros1, needs_ros1, ros1_running
-from tests.server.rig import Daemon
+from tests.server.process import Daemon
 
 pytestmark = needs_ros1
 

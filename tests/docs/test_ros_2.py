@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from tests.docs.blocks import DOCS, blocks
 from tests.ros2 import own_namespace
-from tests.server.rig import Daemon
+from tests.server.process import Daemon
 
 pytest.importorskip("cyclonedds", reason="cyclonedds is in the extra [ros2]")
 PAGE = DOCS / "how-to" / "ros-2.md"

@@ -7,7 +7,8 @@ import sys
 
 import pytest
 from tests.docs.blocks import DOCS, blocks
-from tests.server.rig import PATIENCE_S, Daemon
+from tests.server.process import Daemon
+from tests.server.rig import PATIENCE_S
 
 
 @pytest.mark.parametrize(("library", "form"), [("faery", "t32_x16_y15_on1"), ("aestream", "spif")])

@@ -17,7 +17,8 @@ def page(pairs: Sequence[Pair], outcomes: Sequence[Outcome]) -> str:
     sections = [_head(pairs, found), "## What was asked, and what was reached", _asked(found)]
     sections += ["## Pair by pair", _EACH, _each(found, kinds)]
     if failed := [one for one in found if one.error]:
-        sections += ["## Errors", "\n".join(f"- {one.seed}: {' '.join(one.error.split())}" for one in failed)]
+        lines = [f"{one.seed}: {' '.join(one.error.split())}" for one in failed]
+        sections += ["## Errors", "\n".join(["```text", *lines, "```"])]
     return "\n\n".join(sections) + "\n"
 
 

@@ -9,7 +9,8 @@ from zeroconf import IPVersion, ServiceBrowser, ServiceStateChange, Zeroconf
 
 from voltcam_server.announce import KIND
 
-from .rig import PATIENCE_S, Daemon
+from .process import Daemon
+from .rig import PATIENCE_S
 
 LOOPBACK = "127.0.0.1"
 

@@ -16,7 +16,8 @@ from voltcam_client import Control, ControlError, EventCamera
 from voltcam_client.packet import decode_message
 from voltcam_server.cameras import WORST_FIRST, Cameras, NoCameraError
 
-from .rig import PATIENCE_S, Daemon, Rig, moving_frames, save_frames, tiny, until, voltcam
+from .process import Daemon, Rig, voltcam
+from .rig import PATIENCE_S, moving_frames, save_frames, tiny, until
 
 SCENE = {"uri": "scene", "width": 48, "height": 32, "fps": 100}
 

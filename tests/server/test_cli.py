@@ -10,7 +10,7 @@ from tests.ports import free_port
 
 from voltcam_server import cli
 
-from .rig import Daemon, voltcam
+from .process import Daemon, voltcam
 
 
 def test_a_port_in_use_is_one_line_that_names_the_flag(tmp_path: Path) -> None:

@@ -9,7 +9,8 @@ from voltcam_client.formats import open_writer
 from voltcam_server import cli_replay
 from voltcam_simulator import Camera
 
-from .rig import LIVELY, Daemon, film, record, tiny, until, voltcam
+from .process import Daemon, voltcam
+from .rig import LIVELY, film, record, tiny, until
 
 
 def test_the_command(tmp_path: Path) -> None:

@@ -16,7 +16,8 @@ from voltcam_server.problems import UsageError
 from voltcam_simulator import Camera, Simulator
 from voltcam_video import SourceRequest
 
-from .rig import PATIENCE_S, moving_frames, save_frames, tiny, until, voltcam, voltcam_path
+from .process import voltcam, voltcam_path
+from .rig import PATIENCE_S, moving_frames, save_frames, tiny, until
 
 DATA = Path(os.environ.get("VOLTCAM_DATA", Path(__file__).parents[3] / "shared" / "data"))
 

@@ -21,7 +21,8 @@ from voltcam_client.formats import read
 from voltcam_client.packet import Packet, decode_message
 from voltcam_simulator.effects.junction_leak import arrhenius
 
-from .rig import PATIENCE_S, Daemon, save_frames, until, voltcam_path
+from .process import Daemon, voltcam_path
+from .rig import PATIENCE_S, save_frames, until
 
 WIDTH, HEIGHT = 64, 48
 README = Path(__file__).parents[2] / "README.md"

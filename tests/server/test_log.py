@@ -3,7 +3,8 @@
 import json
 from pathlib import Path
 
-from .rig import Daemon, moving_frames, save_frames, tiny, until
+from .process import Daemon
+from .rig import moving_frames, save_frames, tiny, until
 
 
 def test_a_source_that_ends_is_a_line(tmp_path: Path) -> None:

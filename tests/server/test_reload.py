@@ -15,7 +15,8 @@ from voltcam_server.problems import UsageError
 from voltcam_server.reload import Reload, ReloadAnswer
 from voltcam_server.settings import Settings, load
 
-from .rig import PATIENCE_S, Rig, until
+from .process import Rig
+from .rig import PATIENCE_S, until
 
 SCENE = {"uri": "scene", "width": 48, "height": 32, "fps": 100}
 

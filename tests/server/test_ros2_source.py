@@ -21,7 +21,8 @@ from voltcam_server.emulator import Emulator
 from voltcam_simulator import Simulator
 from voltcam_video import SourceError, SourceRequest, luminance, open_source
 
-from .rig import Listener, emulating, moving_frames, tiny, until, voltcam
+from .process import voltcam
+from .rig import Listener, emulating, moving_frames, tiny, until
 
 STAMPS_US = np.cumsum([0, 10_000, 3_000, 40_000, 5_000, 5_000, 20_000, 1_000, 9_000, 10_000]).tolist()
 FRAMES = moving_frames(len(STAMPS_US), tiny())

@@ -7,7 +7,7 @@ import pytest
 
 from voltcam_server.service import tell_systemd
 
-from .rig import Daemon
+from .process import Daemon
 
 
 def test_systemd_hears_that_it_is_ready_and_lives(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,7 +15,8 @@ from voltcam_server.problems import UsageError
 from voltcam_server.recorder import RecordingPlan
 from voltcam_video import SourceError, SourceRequest
 
-from .rig import SCENE, Daemon, emulating, moving_frames, save_frames, tiny, until
+from .process import Daemon
+from .rig import SCENE, emulating, moving_frames, save_frames, tiny, until
 
 HEAVY = {"junction_leak": {"k4_per_us": 1}}
 

@@ -21,8 +21,7 @@ _EXCESS = 0.3  # of the rate elsewhere, more or less: what differs by less is no
 _FEWEST = 20  # events of a moment
 _MOST = 0.75  # of the period: where more of it is unusual, nothing is usual
 _JOIN_US = 500
-_BEFORE_US = 100  # the least width: a row's delay is known less well than that
-_AFTER_US = 500  # of a row's kick: pixels that it made fire are missing among those about to
+_BESIDE_US = 100  # the least width: a row's delay is known less well than that
 
 
 class Moments(NamedTuple):
@@ -76,7 +75,7 @@ def row_mask(subject: Subject, scan: RowScan) -> Mask:
     straight_us, frame_t_us = without_delay_us(subject, scan), subject.light.t_us
     groups = [near & subject.at_rest, near & subject.on, near & ~subject.on]
     found = np.concatenate(_moments(subject, straight_us, groups))
-    spans = joined(found + np.array([-_BEFORE_US, _AFTER_US]), _JOIN_US)
+    spans = joined(found + np.array([-_BESIDE_US, _BESIDE_US]), _JOIN_US)
     kicked = within(straight_us, spans)
     others = [group & ~kicked for group in groups]
     # Rows have more and less of the scene, so that fewer events mean little where some rows are missing.

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.server.rig import Daemon, voltcam_path
+from tests.server.process import Daemon, voltcam_path
 
 pytest.importorskip("dv_processing", reason="dv-processing is not installed")
 

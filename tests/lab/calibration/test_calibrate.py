@@ -77,13 +77,13 @@ def test_too_few_events_is_a_verdict() -> None:
 @pytest.mark.skipif(
     not DATA.is_dir(), reason="no real recordings: put them in ../shared/data or $VOLTCAM_DATA"
 )
-def test_rows_of_the_street_lose_a_tenth_of_their_time() -> None:
+def test_rows_of_the_street_lose_a_fourteenth_of_their_time() -> None:
     recording = load(DATA / "davis346_street" / "davis346.aedat4")
     span = int(recording.frame_t_us[0]), int(recording.frame_t_us[-1])
     inspection = inspect(recording)
     mask = inspection.mask
     assert mask.us_per_row == pytest.approx(35.25, abs=0.5)
-    assert mask.share(*span) < 0.1 < total_us(inspection.exposure_windows) / (span[1] - span[0])
+    assert mask.share(*span) < 0.08 < total_us(inspection.exposure_windows) / (span[1] - span[0])
     t_us, y = recording.events["t"].astype(np.float64), recording.events["y"].astype(np.int64)
     locked = mask.start(t_us, y) < t_us
     assert 0.07 < locked.mean() < 0.2  # of all events: twice what so much time has elsewhere

@@ -12,7 +12,8 @@ from websockets.sync.client import ClientConnection, connect
 
 from voltcam_server.access.connections import HEAD_BYTES, MOST_CONNECTIONS
 
-from ..rig import Daemon, until
+from ..process import Daemon
+from ..rig import until
 
 
 def test_silent_connections_and_long_heads_do_not_shut_others_out() -> None:

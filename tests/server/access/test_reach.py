@@ -12,7 +12,7 @@ from voltcam_server.access.reach import check_reach
 from voltcam_server.problems import UsageError
 from voltcam_server.settings import Settings
 
-from ..rig import Daemon, voltcam
+from ..process import Daemon, voltcam
 
 LOOPBACK_ZMQ = ("--zmq", "tcp://127.0.0.1:0")
 

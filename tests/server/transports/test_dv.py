@@ -36,7 +36,8 @@ from voltcam_server.transports import DvTransport
 from voltcam_server.transports.dv import MOST_READERS
 from voltcam_server.transports.dv_reader import READER_BYTES
 
-from ..rig import PATIENCE_S, Daemon, until
+from ..process import Daemon
+from ..rig import PATIENCE_S, until
 from .other_program import OtherProgram
 
 WIDTH, HEIGHT = 346, 260

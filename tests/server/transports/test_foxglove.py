@@ -19,7 +19,8 @@ from voltcam_server.problems import UsageError
 from voltcam_server.transports import FoxgloveTransport
 from voltcam_server.transports.foxglove import FRAMES, PREVIEW, PREVIEW_S, RATE
 
-from ..rig import PATIENCE_S, Daemon, until
+from ..process import Daemon
+from ..rig import PATIENCE_S, until
 from .other_program import OtherProgram
 
 WIDTH, HEIGHT = 24, 16

@@ -22,7 +22,8 @@ from voltcam_server.problems import UsageError
 from voltcam_server.transports import Ros2Transport
 from voltcam_server.transports import ros2 as ros2_module
 
-from ..rig import Daemon, until, voltcam
+from ..process import Daemon, voltcam
+from ..rig import until
 
 START_US = 1_700_000_000_000_000
 CALIBRATION = """\

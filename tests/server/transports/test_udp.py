@@ -20,7 +20,8 @@ from voltcam_server.problems import UsageError
 from voltcam_server.transports import UdpTransport
 from voltcam_server.transports.udp import DATAGRAM_EVENTS
 
-from ..rig import PATIENCE_S, Daemon, until
+from ..process import Daemon
+from ..rig import PATIENCE_S, until
 
 WIDTH, HEIGHT = 346, 260
 WRAP_US = 2**32
