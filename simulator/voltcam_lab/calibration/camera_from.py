@@ -128,11 +128,12 @@ def camera_from(
         if refining:
             refined = _refined(inspection, reading, cut, parameters, seed, report)
             worth = refined.after < WORTH_IT * refined.before
-            moved = _moved(parameters, refined.parameters) if worth else ()
             notes.append(_told(refined, worth))
             if worth:  # what frames do is fitted to the pixels as they are now
+                likeliest = parameters
                 pixels = refined.parameters.changed({"aps_coupling": alone.aps_coupling.model_dump()})
                 parameters, said = _with_camera(inspection, reading, cut, pixels, seed, report)
+                moved = _moved(likeliest, parameters)
             estimates = tuple(
                 one.reaching(getattr(getattr(parameters, one.effect), one.parameter)) for one in estimates
             )
