@@ -27,8 +27,9 @@ REPORTS: dict[str, dict[str, st.SearchStrategy[float]]] = {
     "readout": {"row_us": st.sampled_from([0, 0.3, 200]), "event_us": st.sampled_from([0, 0.083, 100])},
     "arbiter_scan": {
         "round_us": st.sampled_from([0.3, 250, 50_000]),
-        "share": st.sampled_from([0.01, 0.5, 1]),
-        "episode_us": st.sampled_from([100, 20_000]),
+        "rows_together": st.sampled_from([1, 4]),
+        "busy_per_us": st.sampled_from([0, 1e-6, 0.1]),
+        "burst_per_us": st.sampled_from([1e-3, 1000]),
     },
     "usb_overflow": {
         "max_rate_events_per_s": st.sampled_from([1, 1e4, 1e7]),

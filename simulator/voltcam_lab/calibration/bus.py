@@ -27,12 +27,11 @@ def as_read(inspection: Inspection, parameters: Parameters) -> tuple[Parameters,
         parameters = parameters.changed({
             "arbiter_scan": {
                 "round_us": round(token.round_us, 1),
-                "share": round(token.share, 3),
-                "episode_us": round(token.episode_us),
+                "rows_together": token.rows_together,
+                "busy_per_us": round(token.busy_per_us, 3),
+                "steepness": round(token.steepness, 2),
+                "burst_per_us": round(token.burst_per_us, 2),
             }
         })  # fmt: skip
-        notes.append(
-            f"in {token.share:.0%} of the time a token goes round the rows, once in {token.round_us:.0f} us, "
-            f"in stretches of {token.episode_us / 1000:.0f} ms"
-        )
+        notes.append(token.in_words())
     return parameters, notes

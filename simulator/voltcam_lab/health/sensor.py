@@ -171,10 +171,7 @@ def row_readout(subject: Subject, scan: RowScan | None, token: TokenScan | None 
     }
     words = []
     if token is not None:
-        words.append(
-            f"in {token.share:.0%} of the time events go round the rows once in {token.round_us:.0f} us, in "
-            f"stretches of {token.episode_us / 1000:.0f} ms"
-        )
+        words.append(token.in_words())
     if scan is not None:
         words.append(f"events at rest run over the rows with each frame, {scan.us_per_row:.2f} us per row")
     if together > max(0.1, 3 * apart):

@@ -8,52 +8,81 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.ndimage import binary_closing, binary_opening
 
 from voltcam_simulator.effect import Events
+from voltcam_simulator.effects.arbiter_scan import SLOT_US
 from voltcam_simulator.kernel import kernel
 
-WINDOW_US = 1000
+from .token_load import begins_with_load, burst_loads, burst_that_ends, rows_together
+
+WINDOW_US = SLOT_US
 ROUNDS_US = (100.0, 700.0)  # a window has more than one round
 STEP_HZ = 60.0  # a sixteenth of a turn over a window
 FEWEST = 60  # events of a window: at 160 times of a round, a coherence of .5 comes by chance once in 20 000
 COHERENT = 0.5
 MOST = 120  # events of a window that are looked at
 FEWEST_WINDOWS = 5
+SHORTEST = 3  # windows: shorter is a burst that the bus reads row by row
 MOST_WINDOWS = 6000
 
 
 @dataclass(frozen=True)
 class TokenScan:
     """round_us: time of a round, in the middle of all windows with one. share: of the windows with events
-    enough, those in which the token goes round. episode_us: mean length of a stretch of such windows."""
+    enough, those in which the token goes round. episode_us: mean length of a stretch of such windows. The
+    others are parameters of `arbiter_scan`."""
 
     round_us: float
     share: float
     episode_us: float
+    rows_together: int
+    busy_per_us: float
+    steepness: float
+    burst_per_us: float
+
+    def in_words(self) -> str:
+        """For a report."""
+        begins = f", the more often the higher the load (its power of {self.steepness:.1f})"
+        return (
+            f"in {self.share:.0%} of the time a token goes round the rows, {self.rows_together} at once, once"
+            f" in {self.round_us:.0f} us, in stretches of {self.episode_us / 1000:.0f} ms"
+            f"{begins if self.busy_per_us > 0 else ''}"
+        )
 
 
 def find_token_scan(events: Events, height: int) -> TokenScan | None:
     """None where too few windows have enough events, or rows do not take turns."""
     if len(events) < FEWEST:
         return None
-    first, last = int(events["t"][0]), int(events["t"][-1])
-    begins = first + WINDOW_US * np.arange(max((last - first) // WINDOW_US, 1), dtype=np.int64)[:MOST_WINDOWS]
-    edges = np.searchsorted(events["t"], np.append(begins, begins[-1] + WINDOW_US))
+    t_us = np.ascontiguousarray(events["t"], np.int64)
+    first, last = int(t_us[0]) // WINDOW_US, int(t_us[-1]) // WINDOW_US
+    edges_us = WINDOW_US * np.arange(first, min(max(last, first + 1), first + MOST_WINDOWS) + 1)
+    edges = np.searchsorted(t_us, edges_us)
     frequencies = np.arange(1e6 / ROUNDS_US[1], 1e6 / ROUNDS_US[0], STEP_HZ)
-    coherence, best = coherences(
-        np.ascontiguousarray(events["t"]), np.ascontiguousarray(events["y"]), edges, frequencies, height
-    )
-    judged = np.diff(edges) >= FEWEST
-    going = judged & (coherence > COHERENT)
-    beside = np.concatenate([[False], going, [False]])
-    going &= beside[:-2] | beside[2:]  # a single one is a burst that the bus reads row by row
+    coherence, best = coherences(t_us, np.ascontiguousarray(events["y"]), edges, frequencies, height)
+    counts = np.diff(edges)
+    judged = counts >= FEWEST
+    going = binary_opening(judged & (coherence > COHERENT), np.ones(SHORTEST))
     if np.count_nonzero(going) < FEWEST_WINDOWS:
         return None
-    stretches = np.count_nonzero(np.diff(going.astype(np.int8), prepend=0) > 0)
+    round_us = float(1e6 / np.median(frequencies[best[going]]))
+    share = float(going.sum() / judged.sum())
+    going = np.logical_or(going, binary_closing(going, np.ones(SHORTEST)))
+    changes = np.diff(going.astype(np.int8), prepend=0, append=0)
+    stretches = edges_us[np.stack([np.flatnonzero(changes > 0), np.flatnonzero(changes < 0)], axis=1)]
+    loads = burst_loads(t_us)
+    burst_per_us = burst_that_ends(t_us, loads, stretches)
+    bursts = np.isin(edges_us[:-1], t_us[loads > burst_per_us] // WINDOW_US * WINDOW_US)
+    busy_per_us, steepness = begins_with_load(counts, going, bursts)
     return TokenScan(
-        round_us=float(1e6 / np.median(frequencies[best[going]])),
-        share=float(going.sum() / judged.sum()),
-        episode_us=float(WINDOW_US * going.sum() / stretches),
+        round_us,
+        share,
+        float(np.diff(stretches).mean()),
+        rows_together(events, stretches, round_us),
+        busy_per_us,
+        steepness,
+        burst_per_us,
     )
 
 

@@ -10,16 +10,23 @@ from ..kernel import kernel
 from ..random import events_key, uniform
 
 NS_PER_US = 1000
+SLOT_US, SLOTS = 1000, 4
+"""The load is the mean of so many last slots, all after the last burst."""
+OFTEN = 0.1
+"""How often the arbiter goes over, a slot, at the load `busy_per_us`."""
+BURST_US = 300.0
+"""Over about what time the load of a burst is a mean: as long as what an exposure makes."""
 _MEASURED = "measured on slider_depth (DAVIS240C, Event Camera Dataset), from the events' stamps and rows"
 
 
 class ArbiterScan(Effect):
-    """While the token goes round, an event waits until it passes its row, from row 0 up, once in round_us;
-    all that wait in a row leave with one time stamp. `readout` then takes them as a row's.
+    """While the token goes round, an event waits until it passes its rows, from row 0 up, once in round_us;
+    all that wait in these leave together. `readout` then takes them row by row.
 
-    The arbiter goes over to that for episodes and comes back, by chance here: stretches of either kind have
-    exponential lengths. (In the recording episodes end with the burst that a frame's exposure makes; what
-    begins them is not known to us.) The token's place is counted from the time line's zero.
+    The arbiter goes over to that by chance, and far more often where the load is high: once in 10 ms times
+    (busy_per_us / load) ^ steepness. Its load is the mean of the last four milliseconds. A burst such as a
+    frame's exposure makes ends it, and so does a millisecond in which nothing asks; for four milliseconds at
+    least. The token's place is counted from the time line's zero.
     """
 
     about: ClassVar[About] = "readout"
@@ -30,15 +37,24 @@ class ArbiterScan(Effect):
 
     round_us: float = quantity(
         0.0, unit="us", ge=0, le=100_000, meaning="time of a round over all rows; 0 is off",
-        source=f"174 to 275, 246 in the middle: {_MEASURED}",
+        source=f"199 to 275, 247 in the middle: {_MEASURED}",
     )  # fmt: skip
-    share: float = quantity(
-        1.0, unit="1", gt=0, le=1, meaning="part of the time in which the token goes round; 1: always",
-        source=f"0.09 in the first 2 s, 0.42 then: {_MEASURED}",
+    rows_together: int = quantity(
+        1, unit="1", ge=1, le=64, meaning="rows that the token passes at once",
+        source=f"2: {_MEASURED}",
     )  # fmt: skip
-    episode_us: float = quantity(
-        20_000.0, unit="us", ge=100, le=1e9, meaning="mean length of an episode of going round",
-        source=f"20 ms: {_MEASURED}",
+    busy_per_us: float = quantity(
+        0.0, unit="1/us", ge=0, le=1000,
+        meaning="events to read at which the token begins its rounds once in 10 ms; 0: it always goes round",
+        source=f"0.41: {_MEASURED}",
+    )  # fmt: skip
+    steepness: float = quantity(
+        7.0, unit="1", ge=0, le=30, meaning="power of the load with which rounds begin",
+        source=f"7, 5 to 9: {_MEASURED}",
+    )  # fmt: skip
+    burst_per_us: float = quantity(
+        1.0, unit="1/us", gt=0, le=1000, meaning="events to read, over 0.3 ms, that end the rounds",
+        source=f"between 0.7 and 1.6: a frame's exposure ends them, and nothing else: {_MEASURED}",
     )  # fmt: skip
 
     @property
@@ -47,51 +63,58 @@ class ArbiterScan(Effect):
 
     def state(self, sensor: Sensor) -> State:
         return {
-            "round": np.zeros(2, np.bool_),  # whether it goes round; whether that has been drawn yet
-            "until_us": np.zeros(1),  # when it goes over
+            "round": np.zeros(1, np.bool_),  # whether it goes round
+            "counts": np.zeros(SLOTS + 1, np.int64),  # events of the last slots, and of the one at hand
+            "burst_per_us": np.zeros(1),
+            "clock": np.zeros(2, np.int64),  # time of the last event [us]; slots since a burst or silence
             "draws": np.array([events_key(sensor.seed, self.name, 0)], np.uint64),
         }
 
     def report(self, events: Events, readout: EventInterval) -> Events:
         state = readout.state[self.name]
-        rest_us = self.episode_us * (1 - self.share) / self.share
         wait(
-            events, np.int64(readout.start_us), np.int64(max(round(self.round_us * NS_PER_US), 1)),
-            readout.sensor.height, self.episode_us, rest_us, state["round"], state["until_us"],
-            state["draws"],
+            events, np.int64(max(round(self.round_us * NS_PER_US), 1)), readout.sensor.height,
+            self.rows_together, self.busy_per_us, self.steepness, self.burst_per_us, state["round"],
+            state["counts"], state["burst_per_us"], state["clock"], state["draws"],
         )  # fmt: skip
         return in_time_order(events)
 
 
 @kernel
 def wait(
-    events: Any,
-    start: Any,
-    round_ns: Any,
-    rows: Any,
-    episode: Any,
-    rest: Any,
-    going: Any,
-    until: Any,
-    draws: Any,
-) -> None:
+    events: Any, round_ns: Any, rows: Any, together: Any, busy: Any, steepness: Any, most: Any, going: Any,
+    counts: Any, burst: Any, clock: Any, draws: Any,
+) -> None:  # fmt: skip
     """Delay the events, in place and sorted by time, to when the token passes their rows, if it goes round.
 
-    going (2,), until (1,) [us], draws (1,): kept between.
+    going (1,), counts (SLOTS + 1,), burst (1,), clock (2,), draws (1,): kept between.
     """
-    if not going[1]:
-        going[1] = True
-        draws[0], u = uniform(draws[0])
-        going[0] = u * (episode + rest) < episode
-        draws[0], u = uniform(draws[0])
-        until[0] = start - np.log(u) * (episode if going[0] else rest)
     for i in range(events.shape[0]):
-        t = events[i].t
-        while rest > 0 and t >= until[0]:
-            going[0] = not going[0]
-            draws[0], u = uniform(draws[0])
-            until[0] -= np.log(u) * (episode if going[0] else rest)
-        if going[0] or rest <= 0:
-            now = t * 1000
-            passes = np.int64(events[i].y) * round_ns // rows
-            events[i].t = (now + (passes - now) % round_ns) // 1000
+        now = events[i].t * NS_PER_US
+        if busy > 0:
+            look(events[i].t, busy, steepness, most, going, counts, burst, clock, draws)
+        if going[0] or busy == 0:
+            passes = np.int64(events[i].y // together * together) * round_ns // rows
+            events[i].t = (now + (passes - now) % round_ns) // NS_PER_US
+
+
+@kernel
+def look(
+    t: Any, busy: Any, steepness: Any, most: Any, going: Any, counts: Any, burst: Any, clock: Any, draws: Any
+) -> None:
+    """Whether it goes round when an event comes at t [us], by the load up to then."""
+    burst[0] *= np.exp(-(t - clock[0]) / BURST_US)
+    if burst[0] > most:
+        going[0], clock[1] = False, -1
+    for _ in range(min(t // SLOT_US - clock[0] // SLOT_US, SLOTS + 1)):
+        if counts[-1] == 0:
+            going[0], clock[1] = False, -1
+        counts[:-1] = counts[1:]
+        counts[-1] = 0
+        clock[1] += 1
+        draws[0], u = uniform(draws[0])
+        load = counts[:-1].mean() / SLOT_US
+        going[0] |= clock[1] >= SLOTS and u < OFTEN * (load / busy) ** steepness
+    burst[0] += 1 / BURST_US
+    counts[-1] += 1
+    clock[0] = t

@@ -40,20 +40,70 @@ def test_an_event_waits_for_half_a_round_and_none_is_lost() -> None:
     assert late_us == pytest.approx(ROUND_US / 2, abs=ROUND_US / 4)
 
 
-def test_episodes_take_their_share_of_the_time() -> None:
-    """200 episodes of either kind: the share is known to 5 %, and 4 standard deviations are asked for."""
-    events = scanned(round_us=ROUND_US, share=0.3, episode_us=3000.0)
-    slices = events["t"] // 1000
-    busy = np.bincount(slices)
-    on = np.bincount(slices, phase_error(events) <= 1 / ROUND_US) / np.maximum(busy, 1)
-    share = (on[busy > 5] > 0.5).mean()
-    assert share == pytest.approx(0.3, abs=0.08)
-    changes = np.abs(np.diff(on > 0.5)).sum()
-    assert changes / 2 == pytest.approx(2e6 * 0.3 / 3000, rel=0.35)
+def test_rows_may_be_passed_together() -> None:
+    events = scanned(0.2, only(leak_noise={"k6": 2e-2}), round_us=ROUND_US, rows_together=4)
+    events["y"] = events["y"] // 4 * 4
+    assert phase_error(events).max() <= 1 / ROUND_US
+
+
+STORM = only(leak_noise={"k6": 2e-2}, contrast_response={"k1": 2.0})
+AT_ONCE = {"round_us": ROUND_US, "busy_per_us": 1e-6}  # rounds begin whenever they may
+
+
+def scanned_by_ms(events: Events) -> np.ndarray:
+    """(ms,) whether the token goes round; 1 in 60 events is on its pass by chance."""
+    ms, on_pass = events["t"] // 1000, phase_error(events) <= 1 / ROUND_US
+    return np.bincount(ms, on_pass) > 0.5 * np.bincount(ms)
+
+
+def test_rounds_begin_once_in_10_ms_at_the_load_given() -> None:
+    """Waits of 60 sensors are geometric: their mean has an sd of 1.3 ms, 4 are allowed. They begin
+    in the fifth millisecond."""
+    load = np.mean([len(watched(STORM, seed, 100)) / 1e5 for seed in range(3)])
+    scan = {"round_us": ROUND_US, "busy_per_us": load, "steepness": 2.0}
+    waits = [
+        int(np.argmax(scanned_by_ms(watched(STORM.changed({"arbiter_scan": scan}), seed, 120))))
+        for seed in range(60)
+    ]
+    assert np.mean(waits) == pytest.approx(4 + 9, abs=5.2)
+    scan |= {"busy_per_us": 3 * load, "steepness": 20.0}
+    assert not any(
+        scanned_by_ms(watched(STORM.changed({"arbiter_scan": scan}), seed, 120)).any() for seed in range(5)
+    )
+
+
+def watched(parameters: Parameters, seed: int, ms: int) -> Events:
+    return watch_still(Simulator(WIDTH, HEIGHT, parameters, seed=seed), 50, ms / 1000, 200)
+
+
+@pytest.mark.parametrize(("burst_per_us", "ends"), [(1.0, True), (1000.0, False)])
+def test_a_burst_ends_rounds_for_four_milliseconds(burst_per_us: float, ends: bool) -> None:
+    scan = AT_ONCE | {"burst_per_us": burst_per_us}
+    simulator = Simulator(WIDTH, HEIGHT, STORM.changed({"arbiter_scan": scan}), seed=2)
+    frames = [(50, 0), (50, 20_000), (250, 20_100), (250, 40_000)]
+    going = scanned_by_ms(
+        np.concatenate([simulator.advance(still(grey, WIDTH, HEIGHT), t) for grey, t in frames])
+    )
+    assert not going[:4].any()
+    assert going[5:20].all()
+    assert going[21:24].any() != ends
+    assert going[26:39].all()
+
+
+def test_a_millisecond_without_events_ends_rounds() -> None:
+    simulator = Simulator(WIDTH, HEIGHT, STORM.changed({"arbiter_scan": AT_ONCE}), seed=2)
+    image, found = still(50, WIDTH, HEIGHT), []
+    for k6, t_us in ((2e-2, 0), (2e-2, 10_000), (0.0, 15_000), (2e-2, 30_000)):
+        simulator.parameters = simulator.parameters.changed({"leak_noise": {"k6": k6}})
+        found.append(simulator.advance(image, t_us))
+    going = scanned_by_ms(np.concatenate(found))
+    assert going[5:10].all()
+    assert not going[16:19].any()
+    assert going[20:29].all()
 
 
 def test_it_does_not_matter_how_time_is_cut() -> None:
-    scan = {"round_us": ROUND_US, "share": 0.5, "episode_us": 1000.0}
+    scan = {"round_us": ROUND_US, "busy_per_us": 0.01, "steepness": 1.0}
     flash = only(contrast_response={"k1": 2.0}).changed({"arbiter_scan": scan})
 
     def run(times_us: list[int]) -> Events:

@@ -53,7 +53,8 @@ def _token_scans(clues: Clues) -> tuple[Candidate, ...]:
     token = find_token_scan(clues.events, clues.setting.scene.height)
     if token is None:
         return ()
-    others = {"share": token.share, "episode_us": max(token.episode_us, 100.0)}
+    names = ("rows_together", "busy_per_us", "steepness", "burst_per_us")
+    others = {name: float(getattr(token, name)) for name in names}
     return (Candidate("arbiter_scan", ("round_us",), sizes(token.round_us), others),)
 
 
