@@ -193,14 +193,15 @@ def test_a_small_object_decides_the_number_of_steps() -> None:
 
 @pytest.mark.parametrize("scene", [moving(5.3, -2.1), moving(20, 8), covering, changing_scene])
 def test_no_pixel_jumps_at_a_frame_or_between(scene: Scene) -> None:
-    """The path of each pixel is as smooth near frames as between: no one of 500 steps is large."""
+    """The path of each pixel is as smooth near frames as between: no one of 500 steps is more than half a usual
+    threshold, also where an edge passes by."""
     v0, v1 = seen(scene, 0, 0), seen(scene, 1, 0)
     images = [v0.astype(np.float32), *(f.image for f in frames_between(v0, v1, 500)), v1.astype(np.float32)]
     assert len(images) == 501
     worst = [np.abs(late - early).max() for early, late in pairwise(images)]
     print(f"largest step {max(worst):.1f}, at the ends {worst[0]:.1f} {worst[-1]:.1f} DN")  # noqa: T201
-    assert max(worst) < 8
-    assert max(worst[0], worst[-1]) < 6
+    assert max(worst) < 12
+    assert max(worst[0], worst[-1]) < 7
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 300), (8, 300), (12, 300), (31, 400), (400, 31), (16, 16)])
