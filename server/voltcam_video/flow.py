@@ -71,7 +71,7 @@ class FrameMotion:
         self._v1: Plane = v1.astype(np.float32)
         self._log0, self._log1 = (np.log(v + np.float32(DARK_DN)) for v in (self._v0, self._v1))
         rows, columns = v0.shape
-        # Flow is no finer than half the resolution where there is much, so all but the last warp happens there.
+        # Where there is much, flow is no finer than half the resolution: all but the last warp happens there.
         self._half = (columns + 1) // 2, (rows + 1) // 2
         self._pixels: Plane = np.array([columns / self._half[0], rows / self._half[1]], np.float32)
         dis = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST)

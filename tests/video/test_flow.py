@@ -193,8 +193,8 @@ def test_a_small_object_decides_the_number_of_steps() -> None:
 
 @pytest.mark.parametrize("scene", [moving(5.3, -2.1), moving(20, 8), covering, changing_scene])
 def test_no_pixel_jumps_at_a_frame_or_between(scene: Scene) -> None:
-    """The path of each pixel is as smooth near frames as between: no one of 500 steps is more than half a usual
-    threshold, also where an edge passes by."""
+    """The path of each pixel is as smooth near frames as between: no one of 500 steps is more than half a
+    usual threshold, also where an edge passes by."""
     v0, v1 = seen(scene, 0, 0), seen(scene, 1, 0)
     images = [v0.astype(np.float32), *(f.image for f in frames_between(v0, v1, 500)), v1.astype(np.float32)]
     assert len(images) == 501
