@@ -33,7 +33,7 @@ def between(frames: np.ndarray, *arguments: object) -> Scene:
 
 
 def test_waves_of_many_frames_go_along_a_spline() -> None:
-    assert between(waves(0.7)).how == "spline"
+    assert between(waves(0.4)).how == "spline"
 
 
 def test_light_that_jumps_goes_along_a_monotone_curve() -> None:
