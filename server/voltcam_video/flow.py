@@ -32,7 +32,9 @@ from voltcam_video.frame import Frame, Image
 from voltcam_video.interval import DARK_DN, instants
 from voltcam_video.opencv import cv2
 
-MOST_STEPS = 12  # of "auto": 18 ms of one core at 346 x 260, half the time between two frames at 30 fps
+MOST_STEPS = (
+    12  # of "auto": 22 ms of one core at 346 x 260, two thirds of the time from frame to frame at 30 fps
+)
 SMALLEST_SIDE = 32  # pixels; OpenCV's DIS crashes on some smaller images (opencv/opencv issue 14554)
 LARGE_SIDE = 128  # pixels: from here on, flow at half the resolution is as good, in a quarter of the time
 

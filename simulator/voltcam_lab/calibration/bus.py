@@ -28,9 +28,9 @@ def as_read(inspection: Inspection, parameters: Parameters) -> tuple[Parameters,
             "arbiter_scan": {
                 "round_us": round(token.round_us, 1),
                 "rows_together": token.rows_together,
-                "busy_per_us": round(token.busy_per_us, 3),
+                "busy_per_us": float(f"{token.busy_per_us:.3g}"),
                 "steepness": round(token.steepness, 2),
-                "burst_per_us": round(token.burst_per_us, 2),
+                "burst_per_us": float(f"{token.burst_per_us:.3g}"),
             }
         })  # fmt: skip
         notes.append(token.in_words())

@@ -18,6 +18,7 @@ Flags = NDArray[np.bool_]
 USUAL_STEEPNESS, STEEPNESS_SD = 7.0, 2.0
 """Power of the load, and its sd, before anything was seen: rounds begin so seldom that a recording tells
 little. Measured on all of slider_depth: 31 began, 5 to 9 is within two units of log likelihood."""
+UNSEEN = 0.5  # begins, where a recording has none: as Jeffreys' prior has it
 STEPS = 30  # of Newton's method
 MOST_TOGETHER = 16
 NO_BURST = 1000.0  # events/us: more than any sensor gives
@@ -29,14 +30,17 @@ def begins_with_load(counts: NDArray[np.int64], going: Flags, bursts: Flags) -> 
     whether the token went round in it; bursts: whether there was one.
 
     Most likely for OFTEN (load / busy_per_us) ^ steepness a slot, in slots that do not follow one with rounds
-    or, within SLOTS, a burst.
+    or, within SLOTS, a burst. (0, 0), always, where there are none; where none begins, half a one is taken.
     """
     load = sliding_window_view(counts, SLOTS).mean(axis=-1)[:-1] / SLOT_US  # of the slots before each
     burst = sliding_window_view(bursts, SLOTS).max(axis=-1)[:-1]
     free = (load > 0) & ~going[SLOTS - 1 : -1] & ~burst
     begins, log_load = going[SLOTS:][free], np.log(load[free])
-    if not begins.any():
+    if not free.any():
         return 0.0, 0.0
+    if not begins.any():
+        often = UNSEEN / begins.size
+        return float(np.exp(log_load.mean()) * (OFTEN / often) ** (1 / USUAL_STEEPNESS)), USUAL_STEEPNESS
     middle = log_load[begins].mean()
     power = log_load - middle
     level, steepness = float(np.log(begins.mean())), USUAL_STEEPNESS

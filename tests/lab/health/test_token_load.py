@@ -39,9 +39,16 @@ def test_a_law_of_the_load_is_found() -> None:
     assert steepness == pytest.approx(9, abs=1.8)
 
 
-def test_rounds_that_never_begin_have_no_load() -> None:
+def test_rounds_that_are_always_there_need_no_load() -> None:
     counts = np.full(1000, 300)
     assert begins_with_load(counts, np.ones(1000, np.bool_), np.zeros(1000, np.bool_)) == (0.0, 0.0)
+
+
+def test_rounds_that_end_and_do_not_begin_again_are_not_always_there() -> None:
+    """Half a begin in 900 slots at 0.3 events/us."""
+    counts, going = np.full(1000, 300), np.arange(1000) < 100
+    busy_per_us, steepness = begins_with_load(counts, going, np.zeros(1000, np.bool_))
+    assert 0.1 * (0.3 / busy_per_us) ** steepness == pytest.approx(0.5 / 900, rel=0.01)
 
 
 def test_a_burst_ends_rounds_where_nothing_within_is_like_it() -> None:
