@@ -57,7 +57,7 @@ def expected(images: Any, stamps_us: list[int] = STAMPS_US) -> NDArray[np.void]:
 def hostile(topic: str, kind: str = IMAGE) -> TopicWriter:
     """A writer of whatever bytes."""
     writer = join(Ros2Place.of()).writer(topic, kind, 100)
-    until(lambda: writer.wanted, "the source reads")
+    until(lambda: writer.readers, "the source reads")
     return writer
 
 

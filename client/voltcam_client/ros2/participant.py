@@ -103,9 +103,9 @@ class TopicWriter:
         )
 
     @property
-    def wanted(self) -> bool:
-        """Whether somebody reads."""
-        return bool(self._writer.get_publication_matched_status().current_count)
+    def readers(self) -> int:
+        """How many there are now."""
+        return int(self._writer.get_publication_matched_status().current_count)
 
     def write(self, cdr: bytes) -> bool:
         """Whether it was taken; it is not where there is no room for it."""

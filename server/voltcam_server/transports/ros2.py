@@ -115,7 +115,7 @@ class Ros2Transport(Transport):
     def _send(self, message: Message) -> None:
         try:
             for writer, encode in self._topics.get(message.topic, ()):
-                if writer.wanted:
+                if writer.readers:
                     taken = [writer.write(cdr) for cdr in encode(message)]
                     self._count(message, all(taken))
         except Ros2Error as error:  # there are times that ROS 2 has no stamp for

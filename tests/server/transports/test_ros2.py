@@ -76,8 +76,8 @@ def decoded(message: dict[str, Any]) -> NDArray[np.void]:
     )
 
 
-def wanted(transport: Ros2Transport, topic: bytes) -> bool:
-    return all(writer.wanted for writer, _ in transport._topics[topic])
+def wanted(transport: Ros2Transport, topic: bytes, by: int = 1) -> bool:
+    return all(writer.readers >= by for writer, _ in transport._topics[topic])
 
 
 @pytest.mark.parametrize("encoding", ENCODINGS)
@@ -136,7 +136,7 @@ def test_a_calibration_is_in_camera_info(tmp_path: Path) -> None:
         transport.start()
         assert infos.says() == "found"
         writer = transport._topics[TOPIC_FRAMES][1][0]
-        until(lambda: writer.wanted, "found here, too")
+        until(lambda: writer.readers, "found here, too")
         image = np.zeros((260, 346), np.uint8)
         transport.publish(frame_message(FrameMessage(image=image, t_us=START_US, seq=0, stamp_ns=1)))
         (info,) = infos.messages()
@@ -223,7 +223,7 @@ def test_a_stalled_reader_costs_only_itself(tmp_path: Path, monkeypatch: pytest.
         Reader(topic, "EventPacket", count, tmp_path / "well", "telling") as well,
     ):
         assert stalled.says() == well.says() == "found"
-        until(lambda: wanted(transport, TOPIC_EVENTS), "found here, too")
+        until(lambda: wanted(transport, TOPIC_EVENTS, by=2), "both are found here, too")
         os.kill(stalled.process.pid, signal.SIGSTOP)
         for seq in range(count):
             transport.publish(events_message(packet(seq, events)))
