@@ -9,7 +9,8 @@ For an instant t in 0..1 between V0 and V1, at a pixel x with velocity v (pixels
 - w is t, but less where the second frame does not show what is at x, and more where the first does not: it
   leaves the image, or is covered, so that the other flow does not lead back (forward-backward check).
 - Where the warped frames are no more alike than the frames as they are, flow means nothing, and the value is
-  (1 - t) l0(x) + t l1(x). Alike is meant in structure: local means are free, so brightness may change.
+  (1 - t) l0(x) + t l1(x). Alike is meant in structure: local means are free, so brightness may change. Fine
+  flow makes any two images alike, so it must also lead back by the other flow, at some of the places around.
 
 Logarithms are blended since pixels see these: of grey levels, what does not quite match would first brighten,
 where it is dark, and then darken again; once a frame, ON events and then OFF ones that no camera gives.
@@ -37,13 +38,16 @@ MOST_STEPS = (
 )
 SMALLEST_SIDE = 32  # pixels; OpenCV's DIS crashes on some smaller images (opencv/opencv issue 14554)
 LARGE_SIDE = 128  # pixels: from here on, flow at half the resolution is as good, in a quarter of the time
+PATCH = 4  # pixels of the image in which flow is found: half of DIS' own, for small things
 
 OTHER_LIGHT = 0.3  # mean |change of ln L| left after warping: the light, or the scene, is another
 DOUBT_PX2 = 1.0  # squared miss, of leading back or of the image, at which a place is half seen
 LEAST_SEEN = 0.05  # keeps the weights smooth in time where neither frame shows a place
 WINDOW = 11  # half-resolution pixels over which likeness is measured
 NOISE_DN2 = 4.0  # variance of a half-resolution difference that may be noise alone
-LEAST_EXPLAINED, WELL_EXPLAINED = 0.4, 0.7  # shares of the change at which flow begins to count, counts fully
+LEAST_EXPLAINED, WELL_EXPLAINED = 0.2, 0.5  # shares of the change at which flow begins to count, counts fully
+LEAST_AGREED, WELL_AGREED = 0.1, 0.4  # likewise, shares of the places around that it leads back to
+SMOOTH = 1.0  # half-resolution pixels: where flow ends beside the edge of a thing, light would jump
 OBJECT = 4  # half-resolution pixels: things smaller than this square do not decide the number of steps
 
 Plane = NDArray[Any]  # float32, (rows, columns) or (rows, columns, 2)
@@ -76,12 +80,11 @@ class FrameMotion:
         # Where there is much, flow is no finer than half the resolution: all but the last warp happens there.
         self._half = (columns + 1) // 2, (rows + 1) // 2
         self._pixels: Plane = np.array([columns / self._half[0], rows / self._half[1]], np.float32)
-        dis = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST)
-        dis.setFinestScale(1 if min(v0.shape) >= LARGE_SIDE else 0)
+        dis = _flow_of_a(large=min(v0.shape) >= LARGE_SIDE)
         bytes0, bytes1 = cv2.convertScaleAbs(v0), cv2.convertScaleAbs(v1)
         nothing: Any = None
-        flow01 = self._shrunk(dis.calc(bytes0, bytes1, nothing)) / self._pixels
-        flow10 = self._shrunk(dis.calc(bytes1, bytes0, nothing)) / self._pixels
+        flow01 = self._smooth(dis.calc(bytes0, bytes1, nothing))
+        flow10 = self._smooth(dis.calc(bytes1, bytes0, nothing))
         small0, small1 = self._shrunk(self._v0), self._shrunk(self._v1)
         self._first = self._tried(flow01, flow10, small0, small1)
         self._second = self._tried(flow10, flow01, small1, small0)
@@ -116,12 +119,18 @@ class FrameMotion:
         change = _spread(here - there)
         explained = (change - _spread(here - warped)) / (change + NOISE_DN2)
         trust = np.clip((explained - LEAST_EXPLAINED) / (WELL_EXPLAINED - LEAST_EXPLAINED), 0, 1)
+        agreed = cv2.blur(1 / (1 + astray), (WINDOW, WINDOW))
+        trust *= np.clip((agreed - LEAST_AGREED) / (WELL_AGREED - LEAST_AGREED), 0, 1)
         # Flow out of the image cannot be tried: it is believed, but decides no number of steps.
         untried = cv2.dilate(outside / (1 + outside), np.ones((WINDOW, WINDOW), np.uint8))
         speed = np.sqrt(_length2(flow * self._pixels)) * trust * (1 - untried)
         left = np.abs(np.log((warped + DARK_DN) / (here + DARK_DN)))
         marks = np.dstack([seen, np.maximum(trust, untried)])
         return _Tried(flow, marks, float(_shrunk_by(OBJECT, speed).max()), float(left.mean()))
+
+    def _smooth(self, flow: Plane) -> Plane:
+        """Flow in half-resolution pixels."""
+        return cv2.GaussianBlur(self._shrunk(flow) / self._pixels, (0, 0), SMOOTH)
 
     def _shrunk(self, image: Plane) -> Plane:
         return cv2.resize(image, self._half, interpolation=cv2.INTER_AREA)
@@ -146,6 +155,15 @@ class _Tried(NamedTuple):
         origin = _grid(self.flow.shape) - gone * self.flow
         seen, trust = cv2.split(_warp(self.marks, origin))
         return _warp(self.flow, origin), seen, trust
+
+
+def _flow_of_a(large: bool) -> Any:
+    """OpenCV's DIS for such an image: as fine as there is time for."""
+    dis = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST)
+    dis.setFinestScale(1 if large else 0)
+    dis.setPatchSize(PATCH)
+    dis.setPatchStride(3 if large else 2)
+    return dis
 
 
 @lru_cache(maxsize=8)
