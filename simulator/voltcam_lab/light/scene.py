@@ -82,6 +82,14 @@ class Scene:
         good: NDArray[np.bool_] = self.unsure.reshape(len(self.taken), -1) < tolerance
         return good[:-1] & good[1:]
 
+    def where(self, known: NDArray[np.bool_], events: NDArray[np.void]) -> NDArray[np.void]:
+        """Those events (EVENT) between the frames that come where light is `known`, (M - 1, pixels)."""
+        inside = events[(events["t"] >= self.taken_us[0]) & (events["t"] <= self.taken_us[-1])]
+        gap = np.searchsorted(self.taken_us, inside["t"], side="right") - 1
+        pixel = inside["y"].astype(np.int64) * self.width + inside["x"]
+        found: NDArray[np.void] = inside[known[np.minimum(gap, len(known) - 1), pixel]]
+        return found
+
     def doubt(self, pixel: NDArray[np.int32], t_us: NDArray[np.float64]) -> NDArray[np.float64]:
         """How far the light may be from what `images` have [DN], for pixels (n,) at times (n,).
 

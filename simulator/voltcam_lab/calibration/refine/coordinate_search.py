@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize
 
 from voltcam_simulator import Parameters
 
@@ -13,12 +14,14 @@ from ...distances import Region
 from ...light.between_frames import calmed, evened, sharpened
 from ...light.grey import WHITE_DN
 from ...light.scene import Scene
-from .coordinates import ABSENT, BENT, CORE, DELAYS_US, OFFERED, Point, parameters_at, with_curvature
+from .coordinates import ABSENT, BENT, CORE, OFFERED, Point, parameters_at, with_curvature
 from .goal import Goal
 from .replay import Replay
 
 BETTER = 0.998  # of the score, for what is new to stay
 SHARPENING = (0.15, 0.3, 0.45)
+SIMPLEX = (0.3, -0.15)  # sides of the first simplex, and of that where the search begins anew
+POLISHING, POLISHING_RUNS = 5e7, (50, 150)  # events that are simulated on each simplex, in so many runs
 BENDS = ((1.0, 1.0), (0.6, 2.5), (0.6, 5.0))  # factors of gamma, and of the knee
 
 
@@ -51,6 +54,7 @@ class CoordinateSearch:
 
     def __post_init__(self) -> None:
         self.replay = Replay.of(self.scene, self.region)
+        self.events = len(self.region.of(self.seen.real))
 
     def score(self, point: Point) -> float:
         """What steps are judged by; inf where there is no such camera."""
@@ -90,20 +94,15 @@ class CoordinateSearch:
     def first(self, point: Point) -> dict[str, float]:
         """What the likelihood took for noise may be error of the light: without, if that is closer."""
         self.report("refine: noise")
-        point = dict(point)
-        point["delay_us"], point["period_us"] = max(point["delay_us"], 100.0), max(point["period_us"], 100.0)
-        best = self.score(point)
-        for late_us in DELAYS_US:  # events that come early or late bend all the rest
-            tried, value = self.moved(point | {"delay_us": late_us}, ("gain",), 0.3, 2)
-            if value < best:
-                point, best = tried, value
+        point = dict(point) | {"period_us": max(point["period_us"], 100.0)}
+        point, best = self.moved(point, ("gain",), 0.3, 2)
         for names in (("reset_spread",), ("k3", "k6"), ("k4_per_us", "k5_per_dn_us"), ("threshold_spread",)):
             for share in (0.0, 0.3):
                 tried = point | {name: share * point[name] for name in names}
                 value = self.score(tried)
                 if value < best:
                     point, best = tried, value
-        self.report("refine: thresholds, delay")
+        self.report("refine: thresholds")
         return self.moved(point, CORE, 0.3, 6, best)[0]
 
     def light(self, point: dict[str, float], same_light: bool) -> "LightTrial":
@@ -161,16 +160,38 @@ class CoordinateSearch:
         """A mechanism at a size; what it makes late is taken from the delay, what it bends from the gain."""
         if name == "gamma":
             return with_curvature(point, value, point["knee_dn"])
+        if name == "knee_dn":
+            return with_curvature(point, point["gamma"], value)
         changed = point | {name: value}
         if name == "cutoff_hz":
             slower_us = 2e6 / (2 * math.pi) * (1 / value - 1 / (point[name] or math.inf))
-            changed["delay_us"] = max(point["delay_us"] - slower_us, 1.0)
+            changed["delay_us"] = point["delay_us"] - slower_us
         return changed
 
     def polished(self, point: dict[str, float], names: tuple[str, ...]) -> dict[str, float]:
-        """All at once."""
+        """All at once, by the simplex of Nelder and Mead (1965) on logarithms, begun anew at what it found:
+        it gives up neither where coordinates make up for one another nor at each hollow of the noise."""
         self.report("refine: all")
-        return self.moved(point, names, 0.1, 5)[0]
+        runs = int(np.clip(POLISHING / max(self.events, 1), *POLISHING_RUNS))
+        for side in SIMPLEX:
+            start = np.array([math.log(point[name]) for name in names])
+            corners = start + np.vstack([np.zeros(len(names)), side * np.eye(len(names))])
+            found = minimize(
+                lambda log, near=point: self.score(self._at(near, names, log)),
+                start,
+                method="Nelder-Mead",
+                options={"initial_simplex": corners, "maxfev": runs, "adaptive": True},
+            )
+            point = self._at(point, names, found.x)
+        return point
+
+    def _at(
+        self, point: dict[str, float], names: tuple[str, ...], log: NDArray[np.float64]
+    ) -> dict[str, float]:
+        """The point with these coordinates, by their logarithms. Others that make up for them follow."""
+        for name, value in zip(names, np.exp(log).tolist(), strict=True):
+            point = self._with(point, name, value)
+        return point
 
     def without_needless(
         self, point: dict[str, float], kept: tuple[str, ...]

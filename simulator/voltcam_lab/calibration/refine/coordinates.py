@@ -19,7 +19,7 @@ Point = Mapping[str, float]
 gain: events for a change of ln (grey level) where it is bright, k1 times gamma. knee_dn: grey level that
 stands for a light of k2. So curvature (gamma), dark level and gain can each be moved without the others."""
 
-CORE = ("gain", "on_over_off", "knee_dn", "delay_us", "period_us")
+CORE = ("gain", "on_over_off", "knee_dn", "period_us")
 OFFERED: tuple[tuple[str, tuple[float, ...]], ...] = (
     ("threshold_spread", (0.05, 0.12)),
     ("reset_spread", (0.03, 0.08)),
@@ -37,7 +37,6 @@ OFFERED: tuple[tuple[str, tuple[float, ...]], ...] = (
 )
 """Mechanisms that may be there or not, the likely ones first, and sizes to try them at."""
 
-DELAYS_US = (100.0, 1000.0, 2000.0, 4000.0, 8000.0)
 BENT = ("gain", "knee_dn", "on_over_off")
 ABSENT = {"gamma": 1.0} | {name: 0.0 for name, _ in OFFERED}
 PLACES = (

@@ -1,5 +1,6 @@
 """How far simulated events are from a recording's, as one smooth number to be made small."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -21,13 +22,20 @@ SHARED = 40.0  # weight of events that share their time with a neighbour: few, b
 Vector = NDArray[np.float64]
 
 
+def anywhere(events: Events) -> Events:
+    """All of them."""
+    return events
+
+
 @dataclass(frozen=True, eq=False)
 class Goal:
-    """real: events of the recording, of which `region` is looked at."""
+    """real: events of the recording, of which `region` is looked at, and there what is `known` well enough.
+    Light may go its own way between frames: what it does there must not be made up for."""
 
     real: Events
     region: Region
     light: FrameLight
+    known: Callable[[Events], Events] = anywhere
 
     def score(self, simulated: Events) -> float:
         """0 for the recording itself. What it adds up:
@@ -38,7 +46,7 @@ class Goal:
         - ON and OFF events where light stands still;
         - the share of events that have their time in common with another one near them.
         """
-        simulated = self.region.of(simulated)
+        simulated = self.region.of(self.known(simulated))
         total = 0.0
         for real, other in zip(self._histograms, self._histograms_of(simulated), strict=True):
             size = max(real.sum(), 50.0)
@@ -52,8 +60,12 @@ class Goal:
         return total + SHARED * float(apart**2)
 
     @cached_property
+    def _real(self) -> Events:
+        return self.known(self.real)
+
+    @cached_property
     def _same(self) -> Intervals:
-        return same_polarity(self.real, self.region)
+        return same_polarity(self._real, self.region)
 
     @cached_property
     def _strata(self) -> IntervalStrata:
@@ -61,7 +73,7 @@ class Goal:
 
     @cached_property
     def _histograms(self) -> list[Vector]:
-        return self._histograms_of(self.real)
+        return self._histograms_of(self._real)
 
     def _histograms_of(self, events: Events) -> list[Vector]:
         same, pairs = same_polarity(events, self.region), any_polarity(events, self.region)
@@ -73,7 +85,7 @@ class Goal:
 
     @cached_property
     def _resting(self) -> tuple[int, int]:
-        return self._resting_of(self.real)
+        return self._resting_of(self._real)
 
     def _resting_of(self, events: Events) -> tuple[int, int]:
         events = in_still_light(events, self.region, self.light)
@@ -86,11 +98,11 @@ class Goal:
 
     @cached_property
     def _blocks(self) -> Vector:
-        return _root(count_images(self.real, self.region)[self._cells])
+        return _root(count_images(self._real, self.region)[self._cells])
 
     @cached_property
     def _shared(self) -> float:
-        return _shared(self.real, self.region)
+        return _shared(self._real, self.region)
 
 
 def _histogram(decades: Vector) -> Vector:

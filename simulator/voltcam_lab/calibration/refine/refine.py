@@ -4,10 +4,13 @@ The light itself (how sharp, how a grey level stands for light), how late events
 the blue: each changes what a simulation gives out, so it is tried, with the same random numbers each time
 (Gourieroux, Monfort, Renault 1993; coordinate search as Hooke and Jeeves 1961). Steps are judged on one part
 of the pixels; a mechanism, or other light, stays only if the other part, which saw no steps, comes closer.
+Only events in light that is known count: else parameters would make up for the light between frames of this
+recording, and be wrong in any other.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +29,7 @@ from .coordinates import (
 from .goal import Goal
 
 DEVELOPED_PIXELS = 12  # side of the tiles, every other one of which judges what is kept
+KNOWN = 0.3  # of the brightness: light that is further off between frames takes no part
 LONGEST = 40e6  # pixels times images of light that are simulated, unless told otherwise
 
 
@@ -62,7 +66,8 @@ def refine(
     see others. longest: pixels times images of light that are simulated, the busiest stretch of more.
     """
     part = _busiest(events, scene, fitting, longest)
-    seen, other = (Goal(events, half, light) for half in by_pixels(part, DEVELOPED_PIXELS))
+    known = partial(scene.where, scene.trusted(KNOWN))
+    seen, other = (Goal(events, half, light, known) for half in by_pixels(part, DEVELOPED_PIXELS))
     search = CoordinateSearch(start, seen, other, scene, part, seed, report)
     point = point_of(start)
     before = search.unseen(point)

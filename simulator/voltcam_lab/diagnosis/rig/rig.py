@@ -74,13 +74,7 @@ class Rig:
 
     def in_trusted_light(self, events: Events) -> Events:
         """Those events that come where the light is known well enough (`Scene.trusted`)."""
-        scene = self.setting.scene
-        inside = events[(events["t"] >= scene.taken_us[0]) & (events["t"] <= scene.taken_us[-1])]
-        gap = np.searchsorted(scene.taken_us, inside["t"], side="right") - 1
-        last = len(scene.taken_us) - 2
-        pixel = inside["y"].astype(np.int64) * scene.width + inside["x"]
-        found: Events = inside[self._known[np.minimum(gap, last), pixel]]
-        return found
+        return self.setting.scene.where(self._known, events)
 
     def events(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> list[Events]:
         """The events of each run of a batch. seeds: in sequence, of one batch.

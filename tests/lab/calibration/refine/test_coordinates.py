@@ -39,7 +39,7 @@ def test_coordinates_are_the_camera() -> None:
 def test_a_camera_that_comes_back_is_the_same_in_every_coordinate() -> None:
     """Each mechanism at a size of its own."""
     point = point_of(START) | {name: sizes[0] for name, sizes in OFFERED}
-    assert set(point) == {*CORE, *ABSENT}
+    assert set(point) == {*CORE, *ABSENT, "delay_us"}
     again = point_of(parameters_at(point, START))
     assert again == pytest.approx(point)
 
