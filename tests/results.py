@@ -5,8 +5,13 @@ import os
 from pathlib import Path
 
 import voltcam_lab
+import voltcam_video
 
-_SOURCES = (Path(voltcam_lab.__file__).parents[1], Path(__file__).parent / "generator")
+_SOURCES = (
+    Path(voltcam_lab.__file__).parents[1],
+    Path(voltcam_video.__file__).parent,
+    Path(__file__).parent / "generator",
+)
 
 
 def whole_lines(file: Path) -> list[bytes]:
@@ -21,7 +26,7 @@ def whole_lines(file: Path) -> list[bytes]:
 
 
 def digest() -> str:
-    """Of the sources that results depend on: simulator, lab and generator."""
+    """Of the sources that results depend on: simulator, lab, light between frames and generator."""
     found = hashlib.sha256()
     for source in sorted(path for folder in _SOURCES for path in folder.rglob("*.py")):
         found.update(source.read_bytes())
