@@ -80,7 +80,7 @@ class FrameMotion:
         # Where there is much, flow is no finer than half the resolution: all but the last warp happens there.
         self._half = (columns + 1) // 2, (rows + 1) // 2
         self._pixels: Plane = np.array([columns / self._half[0], rows / self._half[1]], np.float32)
-        dis = _flow_of_a(large=min(v0.shape) >= LARGE_SIDE)
+        dis = _dis(large=min(v0.shape) >= LARGE_SIDE)
         bytes0, bytes1 = cv2.convertScaleAbs(v0), cv2.convertScaleAbs(v1)
         nothing: Any = None
         flow01 = self._smooth(dis.calc(bytes0, bytes1, nothing))
@@ -129,7 +129,7 @@ class FrameMotion:
         return _Tried(flow, marks, float(_shrunk_by(OBJECT, speed).max()), float(left.mean()))
 
     def _smooth(self, flow: Plane) -> Plane:
-        """Flow in half-resolution pixels."""
+        """Flow, blurred, in half-resolution pixels."""
         return cv2.GaussianBlur(self._shrunk(flow) / self._pixels, (0, 0), SMOOTH)
 
     def _shrunk(self, image: Plane) -> Plane:
@@ -157,7 +157,7 @@ class _Tried(NamedTuple):
         return _warp(self.flow, origin), seen, trust
 
 
-def _flow_of_a(large: bool) -> Any:
+def _dis(large: bool) -> Any:
     """OpenCV's DIS for such an image: as fine as there is time for."""
     dis = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST)
     dis.setFinestScale(1 if large else 0)

@@ -70,7 +70,7 @@ def test_fast_dds_reads_every_event(peer: Path, encoding: str, tmp_path: Path) -
     with Reader(topic, "EventPacket", len(packets), tmp_path / "out", program=program) as reader:
         transport.start()
         assert reader.says() == "found"
-        assert soon(lambda: transport._topics[TOPIC_EVENTS][0][0].readers)
+        assert soon(lambda: transport._topics[TOPIC_EVENTS][0][0].readers == 1)
         for packet in packets:
             transport.publish(events_message(packet))
         came = reader.messages()

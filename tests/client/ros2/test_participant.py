@@ -41,20 +41,20 @@ def taken(reader: TopicReader, count: int) -> list[bytes]:
 def test_what_is_written_is_read_once_somebody_wants_it() -> None:
     topic = f"/{own_namespace()}/image_raw"
     writer = join(PLACE).writer(topic, IMAGE, 10)
-    assert not writer.readers
+    assert writer.readers == 0
     reader = join(PLACE).reader(topic, IMAGE)
-    assert soon(lambda: writer.readers)
+    assert soon(lambda: writer.readers == 1)
     assert writer.write(cdr())
     assert taken(reader, 1) == [cdr()]
     assert reader.take(0.01) == []
     del reader
-    assert soon(lambda: not writer.readers)
+    assert soon(lambda: writer.readers == 0)
 
 
 def test_a_reader_keeps_the_newest() -> None:
     topic = f"/{own_namespace()}/image_raw"
     reader, writer = join(PLACE).reader(topic, IMAGE), join(PLACE).writer(topic, IMAGE, 10)
-    assert soon(lambda: writer.readers)
+    assert soon(lambda: writer.readers == 1)
     sent = [cdr(number) for number in range(40)]
     for message in sent:
         writer.write(message)

@@ -1,4 +1,4 @@
-"""The search of `refine`: coordinates are moved one by one, each time with the same random numbers."""
+"""The search of `refine`: coordinates are moved one by one, in the end together, with the same random numbers."""
 
 import math
 from collections.abc import Callable
@@ -54,7 +54,7 @@ class CoordinateSearch:
 
     def __post_init__(self) -> None:
         self.replay = Replay.of(self.scene, self.region)
-        self.events = len(self.region.of(self.seen.real))
+        self.event_count = len(self.region.of(self.seen.real))
 
     def score(self, point: Point) -> float:
         """What steps are judged by; inf where there is no such camera."""
@@ -169,10 +169,10 @@ class CoordinateSearch:
         return changed
 
     def polished(self, point: dict[str, float], names: tuple[str, ...]) -> dict[str, float]:
-        """All at once, by the simplex of Nelder and Mead (1965) on logarithms, begun anew at what it found:
-        it gives up neither where coordinates make up for one another nor at each hollow of the noise."""
+        """All at once, by the simplex of Nelder and Mead (1965) on logarithms, begun anew at what it found.
+        Coordinates that make up for one another stop it less than steps one by one, and noise less than slopes."""
         self.report("refine: all")
-        runs = int(np.clip(POLISHING / max(self.events, 1), *POLISHING_RUNS))
+        runs = int(np.clip(POLISHING / max(self.event_count, 1), *POLISHING_RUNS))
         for side in SIMPLEX:
             start = np.array([math.log(point[name]) for name in names])
             corners = start + np.vstack([np.zeros(len(names)), side * np.eye(len(names))])

@@ -1,10 +1,10 @@
 """A camera's parameters refined by simulation: what the likelihood of single intervals cannot tell.
 
-The light itself (how sharp, how a grey level stands for light), how late events are and why, noise out of
-the blue: each changes what a simulation gives out, so it is tried, with the same random numbers each time
-(Gourieroux, Monfort, Renault 1993; coordinate search as Hooke and Jeeves 1961). Steps are judged on one part
+The light itself (how sharp, how a grey level stands for light), why events are late, noise out of the
+blue: each changes what a simulation gives out, so it is tried, with the same random numbers each time
+(Gourieroux, Monfort, Renault 1993; Hooke and Jeeves 1961; Nelder and Mead 1965). Steps are judged on one part
 of the pixels; a mechanism, or other light, stays only if the other part, which saw no steps, comes closer.
-Only events in light that is known count: else parameters would make up for the light between frames of this
+Where the light stays as it is, only events in light that is known count: else parameters would make up for the light between frames of this
 recording, and be wrong in any other.
 """
 
@@ -26,7 +26,7 @@ from .coordinates import (
     parameters_at,
     point_of,
 )
-from .goal import Goal
+from .goal import Goal, anywhere
 
 DEVELOPED_PIXELS = 12  # side of the tiles, every other one of which judges what is kept
 KNOWN = 0.3  # of the brightness: light that is further off between frames takes no part
@@ -66,7 +66,7 @@ def refine(
     see others. longest: pixels times images of light that are simulated, the busiest stretch of more.
     """
     part = _busiest(events, scene, fitting, longest)
-    known = partial(scene.where, scene.trusted(KNOWN))
+    known = partial(scene.where, scene.trusted(KNOWN)) if same_light else anywhere
     seen, other = (Goal(events, half, light, known) for half in by_pixels(part, DEVELOPED_PIXELS))
     search = CoordinateSearch(start, seen, other, scene, part, seed, report)
     point = point_of(start)

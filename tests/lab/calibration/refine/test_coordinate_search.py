@@ -30,7 +30,7 @@ class MadeSearch(CoordinateSearch):
         self.start, self.scene, self.said = START, SCENE, list[str]()
         self.report = self.said.append
         self._seen, self._unseen = seen, unseen or seen
-        self.events = 1
+        self.event_count = 1
 
     def score(self, point: Point) -> float:
         return self._seen(point)

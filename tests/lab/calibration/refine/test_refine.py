@@ -48,7 +48,7 @@ def test_what_was_not_looked_at_comes_closer(recording: Recording, refined: Refi
         )
     )
     for name in ("W1", "pair", "TVs"):
-        assert after[name] < min(0.75 * before[name], 1.3 * best[name]), name
+        assert after[name] < min(0.75 * before[name], 1.25 * best[name]), name
     assert after["b4"] > before["b4"]
     assert refined.after < refined.before / 2
 
@@ -56,7 +56,9 @@ def test_what_was_not_looked_at_comes_closer(recording: Recording, refined: Refi
 def test_parameters_are_those_of_the_camera(refined: Refined) -> None:
     """One recording, one seed: tolerances are several times what other seeds differ by."""
     found = refined.parameters
-    assert "cutoff_hz" in refined.kept or found.latency.delay_us == LATE_US
+    cutoff_hz = found.photoreceptor_bandwidth.cutoff_hz
+    slower_us = 2e6 / (2 * np.pi * cutoff_hz) if cutoff_hz else 0.0
+    assert found.latency.delay_us + slower_us == pytest.approx(LATE_US)
     assert found.comparator.theta_on / found.comparator.theta_off == pytest.approx(1.44, rel=0.12)
     change = response(point_of(found), np.array([40.0, 160.0]))[1]  # however bent
     assert change == pytest.approx(BASE.k1 * np.log((160 + BASE.k2) / (40 + BASE.k2)), rel=0.12)
