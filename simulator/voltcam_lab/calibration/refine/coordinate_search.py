@@ -1,4 +1,4 @@
-"""The search of `refine`: coordinates are moved one by one, in the end together, with the same random numbers."""
+"""The search of `refine`: coordinates one by one, in the end together, with the same random numbers."""
 
 import math
 from collections.abc import Callable
@@ -170,7 +170,7 @@ class CoordinateSearch:
 
     def polished(self, point: dict[str, float], names: tuple[str, ...]) -> dict[str, float]:
         """All at once, by the simplex of Nelder and Mead (1965) on logarithms, begun anew at what it found.
-        Coordinates that make up for one another stop it less than steps one by one, and noise less than slopes."""
+        Coordinates that make up for one another stop steps one by one, and noise misleads slopes."""
         self.report("refine: all")
         runs = int(np.clip(POLISHING / max(self.event_count, 1), *POLISHING_RUNS))
         for side in SIMPLEX:

@@ -4,8 +4,8 @@ The light itself (how sharp, how a grey level stands for light), why events are 
 blue: each changes what a simulation gives out, so it is tried, with the same random numbers each time
 (Gourieroux, Monfort, Renault 1993; Hooke and Jeeves 1961; Nelder and Mead 1965). Steps are judged on one part
 of the pixels; a mechanism, or other light, stays only if the other part, which saw no steps, comes closer.
-Where the light stays as it is, only events in light that is known count: else parameters would make up for the light between frames of this
-recording, and be wrong in any other.
+Where the light stays as it is, only events in light that is known count: else parameters would make up for
+the light between frames of this recording, and be wrong in any other.
 """
 
 from collections.abc import Callable
