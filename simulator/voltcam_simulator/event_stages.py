@@ -25,11 +25,18 @@ class EventStages:
         """The same on the clock that stamps them."""
         self.waiting: dict[str, Events] = {}
         """By effect: events it has given out that are not due yet."""
+        self.feed_back = False
+        """Whether events on their way change the pixels."""
+        self.see_light = False
+        """Whether `passed` needs the light."""
 
     def configure(self, parameters: Parameters) -> None:
         """Take on parameters; what waits goes on."""
         self._effects = [effect for effect in parameters.effects() if overrides(effect, "report")]
-        self._active = {effect.name for effect in self._effects if effect.active}
+        on = [effect for effect in self._effects if effect.active]
+        self._active = {effect.name for effect in on}
+        self.feed_back = any(effect.feeds_back for effect in on)
+        self.see_light = any(effect.sees_light for effect in on)
 
     def restart(self, t_us: int, goes_on: bool) -> None:
         """Forget events on their way; goes_on: no event to come is stamped before those that have left."""
@@ -37,16 +44,6 @@ class EventStages:
         self.waiting.clear()
         former_us = self.complete_us if goes_on else self._stamped(t_us)
         self.read_us, self.complete_us = t_us, max(former_us, self._stamped(t_us))
-
-    @property
-    def feed_back(self) -> bool:
-        """Whether events on their way change the pixels."""
-        return any(effect.name in self._active and effect.feeds_back for effect in self._effects)
-
-    @property
-    def see_light(self) -> bool:
-        """Whether `passed` needs the light."""
-        return any(effect.name in self._active and effect.sees_light for effect in self._effects)
 
     def passed(
         self, events: Events, start_us: int, end_us: int, interval: int, light: Plane, limits: Limits

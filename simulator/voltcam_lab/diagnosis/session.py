@@ -14,7 +14,7 @@ from voltcam_simulator import Camera, Parameters
 from ..health import EventsLate, Finding, Health, Inspection
 from ..light.between_frames import calm, frame_noise2, scene_between, untrusted_share
 from ..light.scene import Scene
-from ..light.unrounded import unrounded
+from ..light.unrounded import rounding_errors, unrounded
 from ..recordings import Footage
 from ..statistics import Values, setting_of
 from .catalogue.candidate import Candidate
@@ -179,6 +179,8 @@ def best_scene(
         frames = calm(frames, noise2)
     elif np.issubdtype(frames.dtype, np.integer):
         frames = unrounded(frames)
+        scene = scene_between(frames, t_us, columns, untrusted_share)
+        return scene.with_rounding(rounding_errors(frames)[..., columns])
     return scene_between(frames, t_us, columns, untrusted_share)
 
 

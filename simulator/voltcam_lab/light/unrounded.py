@@ -42,6 +42,17 @@ def unrounded(frames: NDArray[Any]) -> Light:
     return np.clip(smooth, frames - 0.5, frames + 0.5).astype(np.float32)
 
 
+def rounding_errors(light: Light) -> NDArray[np.float16]:
+    """(2, M, H, W) [DN]: what `light`, frames (M, H, W) that were `unrounded`, may be off by.
+
+    It is what the same way makes of that light itself, had the boundaries of grey levels been a quarter of
+    one higher or lower (a parametric bootstrap: Efron 1979). Where they are, it would be found again exactly.
+    """
+    shifts = np.array([-0.25, 0.25], np.float32)
+    again = [np.maximum(unrounded(np.floor(light + shift + 0.5)) - shift, 0) for shift in shifts]
+    return np.stack([light - one for one in again]).astype(np.float16)
+
+
 def _without_small_cosines(light: Light) -> Light:
     """The mean of all blocks that have a sample in them; those of fewer cosines count for more."""
     padded = np.pad(light, BLOCK, mode="symmetric")

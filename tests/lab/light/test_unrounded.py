@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from voltcam_lab.light.unrounded import unrounded
+from voltcam_lab.light.unrounded import rounding_errors, unrounded
 
 TEXTURE = np.random.default_rng(1).uniform(0, 40, (16, 16))  # pixels pass a level at different times
 
@@ -59,3 +59,24 @@ def test_waves_of_many_levels_lose_most_of_their_zigzag() -> None:
 def test_edges_stay_where_they_are() -> None:
     edge = np.where(np.arange(40)[:, None, None] < 20 + np.arange(8), 40.0, 160.0) * np.ones((1, 8, 1))
     assert unrounded(rounded(edge)) == pytest.approx(edge, abs=0.5)
+
+
+def test_errors_of_rounding_are_as_large_as_they_are() -> None:
+    """Of a wave of which everything is known, also from one frame to the next, and for a pixel's mean."""
+    phase = (
+        np.linspace(0, 12 * np.pi, 300)[:, None, None] + 0.3 * np.arange(16) + 0.2 * np.arange(16)[:, None]
+    )
+    for amplitude in (4, 20):
+        wave = 30 + amplitude * np.sin(phase)
+        light = unrounded(rounded(wave))
+        told = rounding_errors(light).astype(np.float32)
+        assert np.abs(light + told[0] - wave).max() < 2  # of it, not of something else
+        for measure in (np.std, lambda error: np.std(np.diff(error, axis=-3))):
+            ratio = np.sqrt(np.mean([measure(error) ** 2 for error in told])) / measure(light - wave)
+            assert 0.6 < ratio < 1.6
+
+
+def test_light_at_rest_may_be_off_but_rests() -> None:
+    told = rounding_errors(np.full((20, 4, 4), 7, np.float32))
+    assert np.ptp(told, axis=1).max() == 0
+    assert np.abs(told).max() <= 0.5

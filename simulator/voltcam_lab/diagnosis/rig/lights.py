@@ -18,6 +18,7 @@ def light_behind(scene: Scene, version: int, settings: RigSettings) -> Iterator[
     more, error = (settings.lights if scene.how in CURVES else settings.moved_lights)[version]
     shape, last = scene.taken.shape[1:], len(scene.taken_us) - 1
     frame, gap = -1, np.zeros(shape, np.float32)
+    hidden = _hidden_by_rounding(scene, version)
     for image, t_us in zip(scene.images, scene.t_us.tolist(), strict=True):
         while frame < 0 or (frame < last - 1 and t_us > scene.taken_us[frame + 1]):
             gap, frame = rng.standard_normal(shape, np.float32), frame + 1
@@ -31,4 +32,14 @@ def light_behind(scene: Scene, version: int, settings: RigSettings) -> Iterator[
             * np.maximum(scene.surprise[frame], scene.surprise[frame + 1]).reshape(shape)
         )
         light = image + more * (image - straight) + error * gap * uncertainty
+        light += (1 - phase) * hidden[frame] + phase * hidden[frame + 1]
         yield np.maximum(light, 0).astype(np.float32), t_us
+
+
+def _hidden_by_rounding(scene: Scene, version: int) -> NDArray[np.float16]:
+    """(M, H, W) [DN]: an error that rounding the frames may have made. Versions come in pairs of either sign,
+    so that they are the light as it was found on average."""
+    if scene.rounding is None:
+        return np.broadcast_to(np.float16(0), scene.taken.shape)
+    error: NDArray[np.float16] = scene.rounding[version // 2 % len(scene.rounding)]
+    return np.negative(error) if version % 2 else error

@@ -48,14 +48,15 @@ def _about(
 def sample(footage: Footage, settings: RecordingSettings, step_us: float = np.inf) -> NDArray[np.int64]:
     """Columns to look at, ascending: all, or two strips, where light changes most and where it does little.
 
-    As many as the settings allow samples of light (pixels x frames), events, and steps of step_us. Rows are
-    kept whole and complete, since readout goes by rows.
+    Strips have as many as the settings allow samples of light (pixels x frames), events, and steps of
+    step_us. Rows are kept whole and complete, since readout goes by rows.
     """
     steps = footage.frames[0].size * float(np.ptp(footage.frame_t_us)) / step_us
+    of_events = settings.most_events / max(len(footage.events), 1)
     share = min(
         settings.most_samples / footage.frames.size,
-        settings.most_events / max(len(footage.events), 1),
         settings.most_steps / max(steps, 1.0),
+        1.0 if of_events >= settings.whole_share else of_events,
     )
     wide = max(settings.narrowest_strip, int(share * footage.width / 2))
     if share >= 1 or 3 * wide > footage.width:  # nearly all: then all

@@ -19,6 +19,9 @@ class RecordingSettings:
     """Events, of more only strips. Convention: time."""
     most_steps: int = 15_000_000
     """Pixels times steps that effects of the camera file ask the simulator for. Convention: time."""
+    whole_share: float = 0.2
+    """Share of the events that strips may have, from which all are looked at instead. Convention: time. Of a
+    few dead pixels strips may have none, and some effects act across all columns."""
     most_whole_samples: int = 12_000_000
     """Pixels times frames of the whole sensor; of more only its beginning. Convention: half a GB of light."""
     narrowest_strip: int = 6

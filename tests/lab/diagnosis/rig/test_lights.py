@@ -32,3 +32,17 @@ def test_versions_differ_where_light_moves_and_only_there() -> None:
     assert first[:, :, :4] == pytest.approx(np.full_like(first[:, :, :4], 42), abs=1e-3)
     assert second[:, :, :4] == pytest.approx(np.full_like(first[:, :, :4], 42), abs=1e-3)
     assert np.abs(first - second)[:, :, 4:].max() > 1
+
+
+def test_what_rounding_hides_is_in_each_version_and_in_none_on_average() -> None:
+    taken, t_us = frames()
+    rounding = np.random.default_rng(1).uniform(-0.4, 0.4, (2, *taken.shape)).astype(np.float16)
+    scene = scene_of(taken, t_us, "spline")
+    told = scene.with_rounding(rounding)
+    versions = []
+    for k in range(4):
+        shown = {t: image for image, t in light_behind(told, k, DEFAULT_RIG)}
+        versions.append(np.stack([shown[t] for t in t_us.tolist()]) - taken)
+    assert versions[0] == pytest.approx(rounding[0], abs=2e-3)
+    assert versions[2] == pytest.approx(rounding[1], abs=2e-3)
+    assert np.mean(versions, axis=0) == pytest.approx(np.zeros_like(taken), abs=1e-3)

@@ -49,3 +49,10 @@ def test_cut_leaves_events_and_frames_of_the_same_time(tiny: Footage) -> None:
     assert part.frames is not None
     assert len(part.frames) == len(part.frame_t_us) == 101
     assert part.events["t"].max() <= part.frame_t_us[-1] == 500_000
+
+
+def test_where_strips_had_many_of_the_events_the_whole_sensor_is_looked_at(tiny: Footage) -> None:
+    most = len(tiny.events) // 2
+    few, more = (RecordingSettings(most_events=most, whole_share=share) for share in (0.6, 0.4))
+    assert len(sample(tiny, few)) == 14
+    assert len(sample(tiny, more)) == 32
