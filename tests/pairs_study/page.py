@@ -49,7 +49,7 @@ Cameras are made by `tests/generator`, which shares no code with simulator and l
 thresholds and leaks, reset noise, dead time, low pass, and shot noise. They have coupling, hot pixels, kicks
 of exposure and readout, latency with jitter, and an arbiter that goes round.
 Seeds are {one.seed} to {pairs[-1].seed}, {use}.
-Sources of simulator, lab and generator: {", ".join(versions) or "none yet"}."""
+Sources of simulator, lab, generator and light between frames: {", ".join(versions) or "none yet"}."""
 
 
 def _asked(found: Sequence[Outcome]) -> str:

@@ -143,17 +143,21 @@ def session_of(
             else:
                 wanted.append(entry.tuned(rig, parameters, one, part.events))
     return Session(
-        name, part, whole_sensor(recording, settings, rig_settings, seed), camera, inspection.health, columns,
-        rig, rig.observe(part.events), tuple(wanted), tuple(dict.fromkeys(one.effect for one in left_out)),
-        seed, origin,
+        name, part, whole_sensor(recording, settings, rig_settings, seed, scene), camera, inspection.health,
+        columns, rig, rig.observe(part.events), tuple(wanted),
+        tuple(dict.fromkeys(one.effect for one in left_out)), seed, origin,
     )  # fmt: skip
 
 
 def whole_sensor(
-    recording: Footage, settings: RecordingSettings, rig_settings: RigSettings, seed: int
-) -> WholeSensor:
-    """All columns of a recording, from its beginning, as long as its light fits into memory."""
+    recording: Footage, settings: RecordingSettings, rig_settings: RigSettings, seed: int,
+    known: Scene | None = None,
+) -> WholeSensor:  # fmt: skip
+    """All columns of a recording, from its beginning, as long as its light fits into memory. known: the scene
+    of some of its columns, or of all."""
     frames = min(len(recording.frames), max(2, settings.most_whole_samples // recording.frames[0].size))
+    if known is not None and known.taken.shape == recording.frames[:frames].shape:
+        return WholeSensor(recording, lambda: known, rig_settings, seed)
     t_us, events = recording.frame_t_us[:frames], recording.events
     part = replace(
         recording,
