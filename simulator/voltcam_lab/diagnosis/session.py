@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from voltcam_simulator import Camera, Parameters
 
 from ..health import EventsLate, Finding, Health, Inspection
-from ..light.between_frames import calm, frame_noise2, scene_between, untrusted_share
+from ..light.between_frames import CURVES, calm, frame_noise2, scene_between, untrusted_share
 from ..light.scene import Scene
 from ..light.unrounded import rounding_errors, unrounded
 from ..recordings import Footage
@@ -178,14 +178,16 @@ def best_scene(
 
     noisy_dn2: `RecordingSettings.noisy_dn2`.
     """
-    noise2 = frame_noise2(frames)
+    noise2, rounding = frame_noise2(frames), None
     if noise2 > noisy_dn2:
         frames = calm(frames, noise2)
     elif np.issubdtype(frames.dtype, np.integer):
         frames = unrounded(frames)
-        scene = scene_between(frames, t_us, columns, untrusted_share)
-        return scene.with_rounding(rounding_errors(frames)[..., columns])
-    return scene_between(frames, t_us, columns, untrusted_share)
+        rounding = rounding_errors(frames)[..., columns]
+    scene = scene_between(frames, t_us, columns, untrusted_share)
+    if scene.how in CURVES:
+        scene = scene.coarser()  # the rest of a curve is less than the error of the light
+    return scene if rounding is None else scene.with_rounding(rounding)
 
 
 def _may_wait(finding: Finding, settings: RecordingSettings) -> bool:

@@ -77,7 +77,22 @@ class Scene:
 
     def with_rounding(self, rounding: NDArray[np.float16]) -> "Scene":
         """The same scene, and what rounding its frames has hidden."""
-        scene = replace(self, rounding=rounding)
+        return self._with(rounding=rounding)
+
+    def coarser(self) -> "Scene":
+        """The same scene with one image between two frames at most, where there is one in the middle.
+
+        Chords then miss a curve by a quarter of its sag.
+        """
+        place = np.arange(len(self.t_us))
+        frame = np.searchsorted(self.taken_us, self.t_us, side="right") - 1
+        at = np.searchsorted(self.t_us, self.taken_us)
+        steps = np.diff(at, append=len(self.t_us))[frame]
+        kept = (place == at[frame]) | (2 * (place - at[frame]) == steps) | (steps % 2 == 1)
+        return self._with(images=self.images[kept], t_us=self.t_us[kept])
+
+    def _with(self, **changes: Any) -> "Scene":
+        scene = replace(self, **changes)
         scene.__dict__["surprise"] = self.surprise  # it has been asked for
         return scene
 

@@ -4,7 +4,6 @@ A monotone cubic, which a live source needs, cuts off every peak between two fra
 loses 13 % of its height there, in the middle of a straight line too, and 0.4 % on a spline.
 """
 
-import math
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from scipy.interpolate import make_interp_spline
 from .grey import USUAL_DARK_DN
 
 Light = NDArray[np.float32]
-MOST_STEPS = 4
+STEPS = (1, 2, 4)
 SAG = 0.004  # of ln L, a fiftieth of a threshold: chords are no further from the curve
 FEWEST = 4  # frames that a cubic spline needs
 
@@ -33,7 +32,8 @@ def along_spline(taken: NDArray[Any], taken_us: NDArray[np.int64]) -> tuple[Ligh
         times.append(int(taken_us[k]))
         middle = curve(0.5 * (seconds[k] + seconds[k + 1]))
         sag = float(np.abs(middle - 0.5 * (log[k] + log[k + 1])).max())
-        steps = min(math.ceil(math.sqrt(sag / SAG)), MOST_STEPS, int(taken_us[k + 1] - taken_us[k]))
+        enough = next((steps for steps in STEPS if steps**2 * SAG >= sag), STEPS[-1])
+        steps = min(enough, int(taken_us[k + 1] - taken_us[k]))
         for step in range(1, steps):
             t_us = int(taken_us[k] + (taken_us[k + 1] - taken_us[k]) * step // steps)
             light = np.exp(curve((t_us - taken_us[0]) * 1e-6)) - USUAL_DARK_DN

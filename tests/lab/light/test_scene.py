@@ -66,3 +66,21 @@ def test_doubt_is_largest_half_way_and_nothing_at_a_frame() -> None:
     assert at == pytest.approx([0, 6, 8, 6, 0], abs=1e-3)
     outside = found.doubt(pixel[:2], np.array([-5000.0, 99_000.0]))
     assert not outside.any()
+
+
+def test_coarser_light_has_one_image_between_frames_in_the_middle() -> None:
+    taken_us = 4000 * np.arange(30, dtype=np.int64)
+    taken = 100 + 40 * np.sin(taken_us[:, None, None] * 3e-4 + np.linspace(0, 6, 64).reshape(8, 8))
+    scene = scene_of(taken.astype(np.float32), taken_us, "cubic")
+    coarse = scene.coarser()
+    assert np.isin(taken_us, coarse.t_us).all()
+    assert set(np.diff(scene.t_us)) == {1000}
+    assert set(np.diff(coarse.t_us)) == {2000}
+    assert coarse.images == pytest.approx(scene.images[np.isin(scene.t_us, coarse.t_us)])
+    assert coarse.surprise is scene.surprise
+
+
+def test_light_that_is_straight_stays_so_when_it_is_made_coarser() -> None:
+    taken_us = 4000 * np.arange(6, dtype=np.int64)
+    scene = scene_of(np.full((6, 2, 3), 50, np.uint8), taken_us, "spline")
+    assert scene.coarser().t_us.tolist() == taken_us.tolist()

@@ -78,9 +78,12 @@ def diagnose(search: Search, hypothesis: Hypothesis) -> Diagnosis:
     steps: list[SearchStep] = [step]
     found: list[Found] = []
     open_step: SearchStep | None = None
+    remains: Remains | None = None  # of this step, once it has been asked for
     while len(found) < settings.most_effects and (trial := best_to_add(settings, step)):
-        if found and not _noticeable(_remains(search, step.hypothesis)):
-            break
+        if found:
+            remains = _remains(search, step.hypothesis)
+            if not _noticeable(remains):
+                break
         chain = _explained(search, [*steps], trial, settings.longest_chain)
         if chain is None:
             break
@@ -90,13 +93,14 @@ def diagnose(search: Search, hypothesis: Hypothesis) -> Diagnosis:
         for one, after in chain:
             found.append(one)
             steps.append(after)
-        step = steps[-1]
+        step, remains = steps[-1], None
     if len(found) > 1:
         _drop_needless(search, found, steps)
+        remains = remains if steps[-1] is step else None
         step = steps[-1]
     kept, covariance, residual = _needed(search, found, step.hypothesis), None, None
     hypothesis = step.hypothesis
-    remains = _remains(search, hypothesis)
+    remains = remains or _remains(search, hypothesis)
     unexplained = step.excess > settings.unexplained and _noticeable(remains)
     verdict: Verdict = "effects" if kept else "unknown" if unexplained else "none"
     if kept:
