@@ -69,9 +69,9 @@ class Naming:
     """When effects are named: they are likelier to be there than to stand in for something without a name,
     and stand-ins seldom leave as little (`evidence.py`)."""
 
-    light: float = 0.2
-    """Mean excess that light leaves where nothing is missing. Measured: 0.17 on six recordings without an
-    effect at 200 frames/s, less at 25 to 40."""
+    light: float = 0.1
+    """Mean excess that light leaves where nothing is missing. Measured: 0.10 on 16 recordings without an
+    effect, of 25 to 200 frames/s."""
     form: float = 0.02
     """Share of the excess before any effect was found that their forms leave besides. Measured: 0.02 to 0.04
     of 2.7 to 16 on three recordings with an effect."""
