@@ -62,7 +62,7 @@ def _head(cases: Sequence[Case], found: Sequence[Judged], seed: int) -> str:
     )
     versions = Counter(one.line.code for one in found)
     code = ", ".join(f"{name} ({n})" for name, n in versions.most_common())
-    mixed = "Verdicts come from more than one version of it." if len(versions) > 1 else ""
+    mixed = " Verdicts come from more than one version of it." if len(versions) > 1 else ""
     left = f" **Not finished: {len(found)} of {len(cases)} cases have run.**"
     part = left if len(found) < len(cases) else ""
     return f"""# Hidden effects
@@ -82,8 +82,8 @@ disk before the answer is drawn from the seed.
 Seeds are {first} to {last}, {use} {REPORTED_FROM}.
 What is asked was written down before the first case ran.
 
-Sources of simulator, lab, generator and light between frames (digest, verdicts): {code or "none yet"}.
-{mixed}"""
+Sources of simulator, lab, generator and light between frames (digest, verdicts):
+{code or "none yet"}.{mixed}"""
 
 
 def _section(title: str, body: str, words: str) -> str:

@@ -176,6 +176,8 @@ def best_scene(
 ) -> Scene:
     """The light between frames in some columns, by the way of filling in that is trusted most often.
 
+    Of frames in whole grey levels it has what rounding may have hidden.
+
     noisy_dn2: `RecordingSettings.noisy_dn2`.
     """
     noise2, rounding = frame_noise2(frames), None

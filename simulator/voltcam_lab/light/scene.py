@@ -80,10 +80,8 @@ class Scene:
         return self._with(rounding=rounding)
 
     def coarser(self) -> "Scene":
-        """The same scene with one image between two frames at most, where there is one in the middle.
-
-        Chords then miss a curve by a quarter of its sag.
-        """
+        """The same scene. Where images cut the time between two frames into an even number of steps, only the
+        one in the middle is left of them: chords then miss a curve by a quarter of its sag."""
         place = np.arange(len(self.t_us))
         frame = np.searchsorted(self.taken_us, self.t_us, side="right") - 1
         at = np.searchsorted(self.t_us, self.taken_us)
@@ -93,7 +91,7 @@ class Scene:
 
     def _with(self, **changes: Any) -> "Scene":
         scene = replace(self, **changes)
-        scene.__dict__["surprise"] = self.surprise  # it has been asked for
+        scene.__dict__["surprise"] = self.surprise  # of the same frames: not once more
         return scene
 
     def trusted(self, tolerance: float = TRUSTED) -> NDArray[np.bool_]:
@@ -105,13 +103,19 @@ class Scene:
         good: NDArray[np.bool_] = self.unsure.reshape(len(self.taken), -1) < tolerance
         return good[:-1] & good[1:]
 
-    def where(self, known: NDArray[np.bool_], events: NDArray[np.void]) -> NDArray[np.void]:
-        """Those events (EVENT) between the frames that come where light is `known`, (M - 1, pixels)."""
+    def within(self, known: NDArray[np.bool_], events: NDArray[np.void]) -> NDArray[np.bool_]:
+        """(n,): whether each of n events (EVENT) is between the frames, where light is `known`, (M - 1,
+        pixels)."""
         t_us = np.ascontiguousarray(events["t"])
         gap = np.searchsorted(self.taken_us, t_us, side="right") - 1
         between = (gap >= 0) & (t_us <= self.taken_us[-1])
         pixel = events["y"].astype(np.int64) * self.width + events["x"]
-        there = between & known[np.clip(gap, 0, len(known) - 1), np.where(between, pixel, 0)]
+        there: NDArray[np.bool_] = between & known[np.clip(gap, 0, len(known) - 1), pixel]
+        return there
+
+    def where(self, known: NDArray[np.bool_], events: NDArray[np.void]) -> NDArray[np.void]:
+        """The events that are `within`."""
+        there = self.within(known, events)
         found: NDArray[np.void] = events.compress(there)  # 8 times as fast as by an index
         return found
 

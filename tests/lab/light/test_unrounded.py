@@ -62,7 +62,7 @@ def test_edges_stay_where_they_are() -> None:
 
 
 def test_errors_of_rounding_are_as_large_as_they_are() -> None:
-    """Of a wave of which everything is known, also from one frame to the next, and for a pixel's mean."""
+    """Of a wave of which everything is known, also from one frame to the next."""
     phase = (
         np.linspace(0, 12 * np.pi, 300)[:, None, None] + 0.3 * np.arange(16) + 0.2 * np.arange(16)[:, None]
     )

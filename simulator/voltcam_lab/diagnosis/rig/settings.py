@@ -47,7 +47,8 @@ class RigSettings:
     """Light, and time before and after a recording, in simulated runs."""
 
     lights: tuple[tuple[float, float], ...] = ((0.0, 0.4), (-0.3, 0.55), (0.15, 0.4), (-0.15, 0.55))
-    """Versions of the light between frames that a curve tells; a power of two of them. Of each, how much more
+    """Versions of the light between frames that a curve tells; a power of two of them. Frames that had been
+    rounded have an error of that besides, in pairs of either sign. Of each, how much more
     it bends than `Scene.images` (-1 is straight), and a random error as a share of `Scene.surprise`, the
     error that left-out frames show. What frames leave open must not look like a gap. Development: about what
     recordings without an effect ask for."""

@@ -117,9 +117,4 @@ class WholeSensor:
 
     def judged(self, events: Events) -> NDArray[np.bool_]:
         """(n,): whether an event comes where the light is known well enough (`Scene.trusted`)."""
-        scene = self.scene
-        gap = np.searchsorted(scene.taken_us, events["t"], side="right") - 1
-        inside = (gap >= 0) & (gap < len(scene.taken_us) - 1)
-        pixel = events["y"].astype(np.int64) * scene.width + events["x"]
-        known: NDArray[np.bool_] = self._known[np.clip(gap, 0, len(self._known) - 1), pixel]
-        return inside & known
+        return self.scene.within(self._known, events)
