@@ -91,7 +91,7 @@ class Session:
     def _known(self) -> str:
         events = self.recording.events
         share = len(self.rig.in_trusted_light(events)) / len(events)
-        known = self.rig.setting.scene.trusted().mean()
+        known = self.rig.setting.known.gaps.mean()
         if share > 0.95:
             return ""
         where = f"{known:.0%} of pixels and time, with {share:.1%} of the events"
@@ -124,7 +124,7 @@ def session_of(
     columns = sample(recording, settings, parameters.longest_step_us)
     scene = best_scene(recording.frames, recording.frame_t_us, columns, settings.noisy_dn2)
     part = in_columns(recording, columns)
-    setting = setting_of(scene, recording.frame_t_us, None, recording.exposure_us, parameters)
+    setting = setting_of(scene, recording.frame_t_us, None, recording.exposure_us, parameters, scene.known())
     rig = StoredRig(setting, folder, seed, rig_settings, processes=processes)
     known = len(rig.in_trusted_light(part.events))
     if known < settings.fewest_events:

@@ -11,6 +11,7 @@ from scipy.stats import wasserstein_distance
 from voltcam_simulator.effect import Events
 
 from ..light.frame_light import FrameLight
+from ..light.known import KnownLight
 from .region import Region
 
 BINS_PER_DECADE = 10
@@ -39,17 +40,19 @@ class Intervals:
         )
 
 
-def same_polarity(events: Events, region: Region) -> Intervals:
-    """From each event to the next of its pixel and polarity; grouped by polarity."""
-    return _intervals(events, region, apart=True)
+def same_polarity(events: Events, region: Region, known: KnownLight | None = None) -> Intervals:
+    """From each event to the next of its pixel and polarity; grouped by polarity. known: light in
+    which all events are; intervals that other light is in between are left out."""
+    return _intervals(events, region, known, apart=True)
 
 
-def any_polarity(events: Events, region: Region) -> Intervals:
-    """From each event to the next of its pixel; grouped by the pair of polarities, 2 * first + second."""
-    return _intervals(events, region, apart=False)
+def any_polarity(events: Events, region: Region, known: KnownLight | None = None) -> Intervals:
+    """From each event to the next of its pixel; grouped by the pair of polarities, 2 * first + second.
+    known: as in `same_polarity`."""
+    return _intervals(events, region, known, apart=False)
 
 
-def _intervals(events: Events, region: Region, apart: bool) -> Intervals:
+def _intervals(events: Events, region: Region, known: KnownLight | None, apart: bool) -> Intervals:
     events = region.of(events)
     stretch = region.stretch_of(events["t"])
     pixel = events["y"].astype(np.int64) * region.pixels.shape[1] + events["x"]
@@ -57,6 +60,9 @@ def _intervals(events: Events, region: Region, apart: bool) -> Intervals:
     order = np.argsort(key, kind="stable")  # in order of time within a key
     first, last = order[:-1], order[1:]
     follows = key[first] == key[last]
+    if known is not None:
+        light = known.stretch(events)
+        follows &= light[first] == light[last]
     first, last = first[follows], last[follows]
     span_us = events["t"][last] - events["t"][first]
     p = events["p"].astype(np.int64)

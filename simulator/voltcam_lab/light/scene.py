@@ -11,11 +11,13 @@ from scipy.ndimage import maximum_filter
 
 from voltcam_video import Frame, Upsampling, between
 
-from .grey import USUAL_DARK_DN
+from .grey import USUAL_DARK_DN, WHITE_DN
+from .known import KnownLight
 from .spline import along_spline
 
 How = Upsampling | Literal["spline"]
 """As in `voltcam_video.between`, or along a spline through all frames."""
+_ROUNDING = 0.5  # by which a grey level that is no whole number may be off [DN]
 TRUSTED = 0.05  # of the brightness: a quarter of the contrast of a usual threshold
 
 
@@ -70,10 +72,16 @@ class Scene:
 
     @cached_property
     def unsure(self) -> NDArray[np.float32]:
-        """The largest surprise of a frame at a pixel or next to it, of the brightness; (M, H, W)."""
+        """The largest surprise of a frame at a pixel or next to it, of the brightness; (M, H, W).
+
+        No end where a pixel is white: how bright it was, the frame does not tell.
+        """
         bright = self.taken.reshape(len(self.taken), -1).astype(np.float32) + USUAL_DARK_DN
         share = (self.surprise / bright).reshape(self.taken.shape)
-        return np.asarray(maximum_filter(share, size=(1, 3, 3)), np.float32)
+        unsure: NDArray[np.float32] = maximum_filter(share, size=(1, 3, 3))
+        if self.taken.max() <= WHITE_DN + _ROUNDING:  # else it is not where these frames end
+            unsure[self.taken >= WHITE_DN - _ROUNDING] = np.inf
+        return unsure
 
     def with_rounding(self, rounding: NDArray[np.float16]) -> "Scene":
         """The same scene, and what rounding its frames has hidden."""
@@ -103,21 +111,9 @@ class Scene:
         good: NDArray[np.bool_] = self.unsure.reshape(len(self.taken), -1) < tolerance
         return good[:-1] & good[1:]
 
-    def within(self, known: NDArray[np.bool_], events: NDArray[np.void]) -> NDArray[np.bool_]:
-        """(n,): whether each of n events (EVENT) is between the frames, where light is `known`, (M - 1,
-        pixels)."""
-        t_us = np.ascontiguousarray(events["t"])
-        gap = np.searchsorted(self.taken_us, t_us, side="right") - 1
-        between = (gap >= 0) & (t_us <= self.taken_us[-1])
-        pixel = events["y"].astype(np.int64) * self.width + events["x"]
-        there: NDArray[np.bool_] = between & known[np.clip(gap, 0, len(known) - 1), pixel]
-        return there
-
-    def where(self, known: NDArray[np.bool_], events: NDArray[np.void]) -> NDArray[np.void]:
-        """The events that are `within`."""
-        there = self.within(known, events)
-        found: NDArray[np.void] = events.compress(there)  # 8 times as fast as by an index
-        return found
+    def known(self, tolerance: float = TRUSTED) -> KnownLight:
+        """Where light is `trusted`."""
+        return KnownLight(self.trusted(tolerance), self.taken_us, self.width)
 
     def doubt(self, pixel: NDArray[np.int32], t_us: NDArray[np.float64]) -> NDArray[np.float64]:
         """How far the light may be from what `images` have [DN], for pixels (n,) at times (n,).

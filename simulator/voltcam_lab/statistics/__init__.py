@@ -76,8 +76,8 @@ class Observation:
 def observe(setting: Setting, events: NDArray[np.void]) -> Observation:
     """All statistics of events (EVENT dtype, in any order) in a setting.
 
-    Intervals belong to the part in which they end. Events outside of the scene's time or of the kept pixels
-    are left out.
+    Intervals belong to the part in which they end. Events outside of the scene's time, of the kept pixels or
+    of known light are left out, and intervals through light that is not known.
     """
     stream = stream_of(setting, events)
     return Observation(np.hstack([group.observe(setting, stream) for group in GROUPS]))

@@ -22,10 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voltcam_lab.statistics.group import MOTION, POLARITY, Group, Values, bin_numbers, labels, sums, tally
-from voltcam_lab.statistics.inter_event_times import triples
 from voltcam_lab.statistics.setting import Setting
 from voltcam_lab.statistics.strata import INTENSITIES, INTENSITY_NAMES, SLOPE_NAMES, SLOPES
-from voltcam_lab.statistics.stream import NONE, EventTable
+from voltcam_lab.statistics.stream import EventTable
 from voltcam_lab.statistics.trend import SLICES, TIME, slice_of
 from voltcam_simulator.kernel import kernel
 
@@ -51,17 +50,16 @@ _LABELS = (
 
 def observe_first_passage(setting: Setting, stream: EventTable) -> Values:
     """The excess is the score (M - theta)/s; only intervals that begin with the same polarity count."""
-    law = law_of(setting)
-    probability, excess = np.empty(len(stream.t_us)), np.empty(len(stream.t_us))
+    n = len(stream.t_us)
+    same, probability, score = np.zeros(n, np.bool_), np.zeros(n), np.zeros(n)
     transform(
-        stream.former, stream.on, stream.log, np.exp(stream.log), stream.interval_us, law, probability, excess
-    )
-    same = (stream.interval_us != NONE) & (stream.on[stream.former] == stream.on)
-    score = np.where(same, np.clip(excess, -_CLIP, _CLIP), 0.0)
+        stream.former, stream.on, stream.log, np.exp(stream.log), stream.interval_us, law_of(setting),
+        same, probability, score,
+    )  # fmt: skip
     part, kind = stream.part, 2 * stream.moving + stream.on
     bins = bin_numbers(probability, PROBABILITY_EDGES)
     speed = 3 * stream.on + np.array([2, 1, 1, 1, 2, 0])[stream.slope]
-    third = triples(stream)
+    third = stream.thirds
     cell = (same * 6 + speed) * INTENSITIES + stream.intensity
     own = about_mean(part, cell, score, 12 * INTENSITIES)
     time = np.where(stream.moving == 1, -1, stream.on * SLICES + slice_of(setting, stream))
@@ -95,15 +93,19 @@ def law_of(setting: Setting) -> NDArray[np.float64]:
 
 @kernel
 def transform(
-    former: Any, on: Any, log: Any, raised: Any, interval_us: Any, law: Any, probability: Any, excess: Any
-) -> None:
-    """Fill probability and excess (n,). raised is L + k2; leak and noise go by the mean of the two ends."""
+    former: Any, on: Any, log: Any, raised: Any, interval_us: Any, law: Any, same: Any, probability: Any,
+    score: Any,
+) -> None:  # fmt: skip
+    """Where the event before has the same polarity, fill same, probability and score (n,).
+
+    raised is L + k2; leak and noise go by the mean of the two ends.
+    """
     k1, k2, k3, k4, k5, k6 = law[:6]
     for i in range(former.size):
         j = former[i]
-        if j < 0:
-            probability[i], excess[i] = 0.5, 0.0
+        if j < 0 or on[j] != on[i]:
             continue
+        same[i] = True
         light = max(0.5 * (raised[i] + raised[j]) - k2, 0.0)
         sigma = k3 * math.sqrt(light) / (light + k2) + k6
         theta = law[6 + on[i]]
@@ -111,8 +113,9 @@ def transform(
         mean = mean if on[i] else -mean
         variance = sigma * sigma * interval_us[i] + (FLOOR * theta) ** 2
         s = math.sqrt(variance)
-        excess[i] = (mean - theta) / s
-        probability[i] = 0.5 * math.erfc(-excess[i] / math.sqrt(2.0))
+        excess = (mean - theta) / s
+        score[i] = min(max(excess, -_CLIP), _CLIP)
+        probability[i] = 0.5 * math.erfc(-excess / math.sqrt(2.0))
         if s > 0.15 * theta:  # else the second term is small
             late = 0.5 * math.erfc((mean + theta) / (s * math.sqrt(2.0)))
             probability[i] += math.exp(min(2 * mean * theta / variance, 700.0)) * late

@@ -55,20 +55,13 @@ def _length(interval_us: NDArray[np.int64], edges_ms: tuple[float, ...]) -> NDAr
 
 def _ratios(stream: EventTable) -> Values:
     """Of three events of one polarity while the pixel sees motion."""
-    third = triples(stream)
+    third = stream.thirds
     third = third[stream.moving[third] == 1]
     second = stream.former[third]
     long, short = stream.interval_us[third], stream.interval_us[second]
     ratio = np.maximum(long, short) / np.maximum(np.minimum(long, short), 1)
     index = stream.on[third] * RATIO_BINS + bin_numbers(ratio, RATIO_EDGES)
     return tally(stream.part[third], index, len(_RATIOS))
-
-
-def triples(stream: EventTable) -> NDArray[np.int64]:
-    """Numbers of the events that are a pixel's third of one polarity, all moving or all at rest."""
-    same = (stream.former >= 0) & (stream.on[stream.former] == stream.on)
-    same &= stream.moving[stream.former] == stream.moving
-    return np.flatnonzero(same & same[stream.former])
 
 
 INTERVALS = Group("B", _FINE + _COARSE + _RATIOS, observe_inter_event_times)

@@ -22,9 +22,8 @@ _LABELS = labels(
 def observe_lag_response(setting: Setting, stream: EventTable) -> Values:
     """Sum over events of +-1 times the change of ln(L + k2) in a span of time before it: ON +, OFF -."""
     table = np.zeros((PARTS, INTENSITIES, LAGS))
-    place = setting.place[stream.pixel]
     add_changes(
-        stream.t_us, place, stream.on, stream.part, stream.intensity, setting.scene.t_us,
+        stream.t_us, stream.place, stream.on, stream.part, stream.intensity, setting.scene.t_us,
         1 / np.diff(setting.scene.t_us), setting.log_light, np.array(EDGES_US), table,
     )  # fmt: skip
     return table.reshape(PARTS, INTENSITIES * LAGS)
@@ -38,7 +37,6 @@ def add_changes(
     """Add to the table (parts, intensities, lags). Beyond its ends the scene stands still; per_us: 1/span."""
     step = np.zeros(edges_us.size, np.int64)  # the one that each lag is in; events ascend in time
     for i in range(t_us.size):
-        path = log_light[place[i]]
         total = table[part[i], intensity[i]]
         later = np.float32(0)
         for k in range(edges_us.size):
@@ -47,7 +45,8 @@ def add_changes(
                 s += 1
             step[k] = s
             share = (t - scene_us[s]) * per_us[s]
-            level = path[s] + min(max(share, 0.0), 1.0) * (path[s + 1] - path[s])
+            before, after = log_light[s, place[i]], log_light[s + 1, place[i]]
+            level = before + min(max(share, 0.0), 1.0) * (after - before)
             if k > 0:
                 total[k - 1] += later - level if on[i] else level - later
             later = level

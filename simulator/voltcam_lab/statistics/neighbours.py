@@ -89,7 +89,7 @@ def ring_of(setting: Setting) -> NDArray[np.int64]:
 
 def _lines(setting: Setting, stream: EventTable) -> Values:
     """Sum over rows and over columns of the squared score of their events, moving and at rest."""
-    n, path = counts(stream, setting.place, len(setting.pixels)), setting.path
+    n, path = counts(stream, len(setting.pixels)), setting.path
     n, path = n[:2] + n[2:], path[:2] + path[2:]
     tile = setting.tiles.ravel()[setting.pixels]
     y, x = np.divmod(setting.pixels, setting.scene.width)

@@ -41,7 +41,7 @@ _LABELS = (
 
 def observe_pixels(setting: Setting, stream: EventTable) -> Values:
     """Mismatch lasts and shows while moving; leak spread at rest; hot pixels stand out; dead are silent."""
-    n = counts(stream, setting.place, len(setting.pixels))
+    n = counts(stream, len(setting.pixels))
     tile = setting.tiles.ravel()[setting.pixels]
     rows = []
     for part in range(PARTS):
@@ -52,15 +52,15 @@ def observe_pixels(setting: Setting, stream: EventTable) -> Values:
 
 
 @kernel
-def _count(quarter: Any, kind: Any, pixel: Any, place: Any, n: Any) -> None:
+def _count(quarter: Any, kind: Any, place: Any, n: Any) -> None:
     for i in range(quarter.size):
-        n[quarter[i], kind[i], place[pixel[i]]] += 1
+        n[quarter[i], kind[i], place[i]] += 1
 
 
-def counts(stream: EventTable, place: NDArray[np.int32], pixels: int) -> NDArray[np.float64]:
+def counts(stream: EventTable, pixels: int) -> NDArray[np.float64]:
     """(4 blocks modulo 4, KINDS, K) events of each kept pixel."""
     n = np.zeros((4, len(KINDS), pixels))
-    _count(stream.quarter, 3 - 2 * stream.moving - stream.on, stream.pixel, place, n)
+    _count(stream.quarter, 3 - 2 * stream.moving - stream.on, stream.place, n)
     return n
 
 

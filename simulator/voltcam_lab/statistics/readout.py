@@ -45,7 +45,7 @@ def observe_readout(setting: Setting, stream: EventTable) -> Values:
     ])  # fmt: skip
 
 
-def shared(t_us: NDArray[np.int64], row: NDArray[np.int64], height: int) -> NDArray[np.int64]:
+def shared(t_us: NDArray[np.int64], row: NDArray[np.int32], height: int) -> NDArray[np.int64]:
     """1 for an event that shares its stamp with one of its row, 0 with others only, -1 with none."""
     alone, alone_in_row = runs(t_us) == 1, runs(t_us * height + row) == 1
     return np.where(alone, -1, np.where(alone_in_row, 0, 1))
@@ -55,7 +55,7 @@ def holes(setting: Setting, stream: EventTable) -> Values:
     """(PARTS, HOLES) milliseconds without an event of a tile's pixels, though light changed enough."""
     edges_us = np.arange(setting.block_edges_us[0], setting.block_edges_us[-1], HOLE_US)
     block = np.searchsorted(setting.block_edges_us, edges_us[:-1], side="right") - 1
-    hole = np.searchsorted(edges_us, stream.t_us, side="left") - 1
+    hole = (stream.t_us - edges_us[0] - 1) // HOLE_US
     table = np.zeros((PARTS, len(HOLES)))
     for tile, bustle in enumerate(setting.bustle):
         wanted = setting.parameters.contrast_response.k1 * np.diff(

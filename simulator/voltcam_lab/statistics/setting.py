@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from voltcam_lab.light.known import KnownLight
 from voltcam_lab.light.scene import Scene
 from voltcam_lab.statistics.strata import INTENSITIES, SLOPES, LightStrata, light_strata
 from voltcam_simulator import Parameters
@@ -40,10 +41,12 @@ class Setting:
     place: NDArray[np.int32]
     """(H W,) where in `pixels` a pixel is, or -1."""
     log_light: NDArray[np.float32]
-    """(K, N) ln(L + k2)."""
+    """(N, K) ln(L + k2): events ascend in time, so what belongs to a time is together."""
+    known: KnownLight
+    """Where light is known well enough to say when an event is due."""
     strata: LightStrata
     seconds: NDArray[np.float64]
-    """(PARTS, INTENSITIES, SLOPES) pixel-seconds spent in each stratum."""
+    """(PARTS, INTENSITIES, SLOPES) pixel-seconds spent in each stratum; here, and below, in known light."""
     path: NDArray[np.float64]
     """(4 blocks modulo 4, 3, K): rise and fall of ln(L + k2) while moving, and time at rest [s]."""
     bustle: NDArray[np.float64]
@@ -61,8 +64,10 @@ def setting_of(
     keep: NDArray[np.bool_] | None = None,
     exposure_us: NDArray[np.int64] | None = None,
     parameters: Parameters | None = None,
+    known: KnownLight | None = None,
 ) -> Setting:
     """Divide a scene. keep: (H, W), the pixels to look at; None: all. parameters: None: a typical DAVIS346.
+    known: as in `Setting`; None: all is.
 
     Raises ValueError when there are fewer than two frames or no pixel is kept.
     """
@@ -76,14 +81,17 @@ def setting_of(
         raise ValueError("no pixel is kept: give a mask with some")
     place = np.full(size, -1, np.int32)
     place[pixels] = np.arange(len(pixels))
-    light = scene.images.reshape(len(scene.t_us), size)[:, pixels].T
-    log_light = np.log(light + np.float32(parameters.contrast_response.k2_dn), order="C")
+    light = scene.images.reshape(len(scene.t_us), size)[:, pixels]
+    log_light = np.log(light + np.float32(parameters.contrast_response.k2_dn))
     strata = light_strata(light, log_light, scene.t_us)
     edges_us = block_edges_us(int(frame_t_us[0]), int(scene.t_us[0]), int(scene.t_us[-1]), period_us)
     tiles = checkerboard(scene.height, scene.width)
+    known = known or KnownLight.everywhere(scene.taken_us, scene.height, scene.width)
+    gap = np.searchsorted(scene.taken_us, scene.t_us[:-1], side="right") - 1
     seconds, path, bustle = spent(
         log_light,
         strata.index,
+        known.gaps[np.ix_(np.clip(gap, 0, len(known.gaps) - 1), pixels)],
         scene.t_us,
         edges_us,
         np.ascontiguousarray(tiles.ravel()[pixels]),
@@ -92,8 +100,8 @@ def setting_of(
     )
     return Setting(
         scene, frame_t_us, period_us, exposure_us, parameters, edges_us, tiles,
-        pixels.astype(np.int32), place, log_light, strata, seconds.reshape(PARTS, INTENSITIES, SLOPES), path,
-        np.cumsum(bustle, axis=1),
+        pixels.astype(np.int32), place, log_light, known, strata,
+        seconds.reshape(PARTS, INTENSITIES, SLOPES), path, np.cumsum(bustle, axis=1),
     )  # fmt: skip
 
 
@@ -114,23 +122,27 @@ def checkerboard(height: int, width: int) -> NDArray[np.uint8]:
 
 
 @kernel
-def spent(log_light: Any, index: Any, t_us: Any, edges_us: Any, tile: Any, strata: Any, slopes: Any) -> Any:
+def spent(
+    log_light: Any, index: Any, known: Any, t_us: Any, edges_us: Any, tile: Any, strata: Any, slopes: Any
+) -> Any:
     """Pixel-seconds (parts, strata); what each pixel went through (4, 3, K); all change in a step (2, N).
 
-    Rest is the last of the slopes.
+    Rest is the last of the slopes. Steps of pixels whose light is not known do not count.
     """
-    pixels, steps = index.shape
+    steps, pixels = index.shape
     seconds = np.zeros((4, strata))
     path = np.zeros((4, 3, pixels))
     bustle = np.zeros((2, steps + 1))
-    for k in range(pixels):
-        block = 0
-        for s in range(steps):
-            while block + 2 < edges_us.size and t_us[s] + t_us[s + 1] > 2 * edges_us[block + 1]:
-                block += 1
-            span = (t_us[s + 1] - t_us[s]) * 1e-6
-            change = log_light[k, s + 1] - log_light[k, s]
-            stratum = index[k, s]
+    block = 0
+    for s in range(steps):
+        while block + 2 < edges_us.size and t_us[s] + t_us[s + 1] > 2 * edges_us[block + 1]:
+            block += 1
+        span = (t_us[s + 1] - t_us[s]) * 1e-6
+        for k in range(pixels):
+            if not known[s, k]:
+                continue
+            change = log_light[s + 1, k] - log_light[s, k]
+            stratum = index[s, k]
             bustle[tile[k], s + 1] += abs(change)
             seconds[2 * (block % 2) + tile[k], stratum] += span
             if stratum % slopes == slopes - 1:

@@ -1,15 +1,17 @@
 """The events of a recording, each with where and when it was in the setting, found in one pass."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from voltcam_lab.statistics.setting import Setting
-from voltcam_lab.statistics.strata import REST, SLOPES
+from voltcam_lab.statistics.strata import INTENSITIES, REST, SLOPES
 from voltcam_simulator.kernel import kernel
 
+_CLASSES = np.divmod(np.arange(INTENSITIES * SLOPES, dtype=np.int32), SLOPES)  # of each stratum's index
 NONE = -1
 """Interval of an event that has no other of its pixel before it."""
 
@@ -19,39 +21,52 @@ class EventTable:
     """n events in the order (t, pixel, polarity), of the setting's pixels and time only. Columns (n,)."""
 
     t_us: NDArray[np.int64]
-    pixel: NDArray[np.int64]
+    pixel: NDArray[np.int32]
     """y W + x."""
-    on: NDArray[np.int64]
+    place: NDArray[np.int32]
+    """`Setting.place` of the pixel."""
+    on: NDArray[np.int32]
     """1 for ON, 0 for OFF."""
     part: NDArray[np.uint8]
     quarter: NDArray[np.uint8]
     """Number of the time block, modulo 4."""
-    intensity: NDArray[np.int64]
-    slope: NDArray[np.int64]
-    moving: NDArray[np.int64]
+    intensity: NDArray[np.int32]
+    slope: NDArray[np.int32]
+    moving: NDArray[np.int32]
     """1 unless at rest."""
     log: NDArray[np.float32]
     """ln(L + k2) of the pixel then."""
     interval_us: NDArray[np.int64]
-    """To the last event of the pixel, or NONE; `former` is that event's number."""
-    former: NDArray[np.int64]
+    """To the last event of the pixel; NONE, too, where its light has not been known all the time since.
+    `former` is that event's number."""
+    former: NDArray[np.int32]
+
+    @cached_property
+    def thirds(self) -> NDArray[np.int64]:
+        """Numbers of the events that are a pixel's third of one polarity, all moving or all at rest."""
+        kind = 2 * self.moving + self.on
+        same = (self.former >= 0) & (kind[self.former] == kind)
+        return np.flatnonzero(same & same[self.former])
 
 
 def stream_of(setting: Setting, events: NDArray[np.void]) -> EventTable:
-    """Put events (EVENT dtype, in any order) in order and find their place in the setting."""
-    key, bits = ordered(setting, events)
-    t_us = (key >> bits) + setting.block_edges_us[0]
-    pixel, on = (key & ((1 << bits) - 1)) >> 1, key & 1
+    """Put events (EVENT dtype, in any order) in order and find their place in the setting.
+
+    Those in light that is not known are left out.
+    """
+    key, bits = ordered(setting, setting.known.where(events))
     n = len(key)
-    part, quarter, stratum = np.empty((3, n), np.uint8)
-    log, interval_us, former = np.empty(n, np.float32), np.empty(n, np.int64), np.empty(n, np.int64)
+    t_us, interval_us, log = np.empty(n, np.int64), np.empty(n, np.int64), np.empty(n, np.float32)
+    pixel, place, on, intensity, slope, moving, former = np.empty((7, n), np.int32)
+    part, quarter = np.empty((2, n), np.uint8)
     locate(
-        t_us, pixel, setting.place, setting.scene.t_us, setting.log_light, setting.strata.index,
-        setting.block_edges_us, setting.tiles.ravel(), part, quarter, stratum, log, interval_us, former,
+        key, bits, setting.place, setting.known.taken_us, setting.known.last_unknown, setting.scene.t_us,
+        setting.log_light, setting.strata.index, setting.block_edges_us, setting.tiles.ravel(), *_CLASSES,
+        REST, t_us, pixel, place, on, part, quarter, intensity, slope, moving, log, interval_us, former,
     )  # fmt: skip
-    intensity, slope = np.divmod(stratum.astype(np.int64), SLOPES)
-    moving = (slope != REST).astype(np.int64)
-    return EventTable(t_us, pixel, on, part, quarter, intensity, slope, moving, log, interval_us, former)
+    return EventTable(
+        t_us, pixel, place, on, part, quarter, intensity, slope, moving, log, interval_us, former
+    )
 
 
 def ordered(setting: Setting, events: NDArray[np.void]) -> tuple[NDArray[np.int64], int]:
@@ -59,33 +74,51 @@ def ordered(setting: Setting, events: NDArray[np.void]) -> tuple[NDArray[np.int6
 
     The order of events of the same time must not matter, so they get one.
     """
-    begin_us, end_us = setting.block_edges_us[[0, -1]]
-    pixel = events["y"].astype(np.int64) * setting.scene.width + events["x"]
-    here = (events["t"] > begin_us) & (events["t"] <= end_us)
-    here &= setting.place[np.where(here, pixel, 0)] >= 0
     bits = int(setting.place.size - 1).bit_length() + 1
-    key = (events["t"] - begin_us) << bits | pixel << 1 | events["p"]
-    return np.sort(key[here]), bits
+    t, x, y, p = (np.ascontiguousarray(events[name]) for name in "txyp")
+    key = np.empty(len(events), np.int64)
+    count = number(t, x, y, p, setting.block_edges_us, setting.place, setting.scene.width, bits, key)
+    return np.sort(key[:count]), bits
+
+
+@kernel
+def number(t: Any, x: Any, y: Any, p: Any, edges_us: Any, place: Any, width: Any, bits: Any, key: Any) -> Any:
+    """Fill the keys of the events within the edges, of pixels with a place; how many there are."""
+    n = 0
+    for i in range(t.size):
+        if t[i] > edges_us[0] and t[i] <= edges_us[-1]:
+            pixel = np.int64(y[i]) * width + x[i]
+            if place[pixel] >= 0:
+                key[n] = (t[i] - edges_us[0]) << bits | pixel << 1 | p[i]
+                n += 1
+    return n
 
 
 @kernel
 def locate(
-    t_us: Any, pixel: Any, place: Any, scene_us: Any, log_light: Any, index: Any, edges_us: Any, tiles: Any,
-    part: Any, quarter: Any, stratum: Any, log: Any, interval_us: Any, former: Any,
+    key: Any, bits: Any, places: Any, taken_us: Any, last_unknown: Any, scene_us: Any, log_light: Any,
+    index: Any, edges_us: Any, tiles: Any, intensities: Any, slopes: Any, rest: Any,
+    t_us: Any, pixel: Any, place: Any, on: Any, part: Any, quarter: Any, intensity: Any, slope: Any,
+    moving: Any, log: Any, interval_us: Any, former: Any,
 ) -> None:  # fmt: skip
-    """Fill the columns from part on. An event at t is of the step (from, to] that t lies in."""
-    last = np.full(place.size, -1, np.int64)
-    step, block = 0, 0
-    for i in range(t_us.size):
-        t, p = t_us[i], pixel[i]
+    """Fill the columns from t_us on. An event at t is of the step (from, to] that t lies in."""
+    last, last_gap = np.full(places.size, -1, np.int32), np.zeros(places.size, np.int32)
+    step, block, gap = 0, 0, 0
+    for i in range(key.size):
+        t, p = (key[i] >> bits) + edges_us[0], (key[i] & ((1 << bits) - 1)) >> 1
         while step + 2 < scene_us.size and t > scene_us[step + 1]:
             step += 1
         while block + 2 < edges_us.size and t > edges_us[block + 1]:
             block += 1
-        k = place[p]
+        while gap + 2 < taken_us.size and t >= taken_us[gap + 1]:
+            gap += 1
+        k = places[p]
+        t_us[i], pixel[i], place[i], on[i] = t, p, k, key[i] & 1
         share = np.float32((t - scene_us[step]) / (scene_us[step + 1] - scene_us[step]))
-        log[i] = log_light[k, step] + share * (log_light[k, step + 1] - log_light[k, step])
-        part[i], quarter[i], stratum[i] = 2 * (block % 2) + tiles[p], block % 4, index[k, step]
-        former[i] = last[p]
-        interval_us[i] = t - t_us[last[p]] if last[p] >= 0 else -1
-        last[p] = i
+        log[i] = log_light[step, k] + share * (log_light[step + 1, k] - log_light[step, k])
+        part[i], quarter[i] = 2 * (block % 2) + tiles[p], block % 4
+        intensity[i], slope[i] = intensities[index[step, k]], slopes[index[step, k]]
+        moving[i] = slope[i] != rest
+        former[i] = last[p] if last_unknown[gap, p] <= last_gap[p] else -1
+        interval_us[i] = t - t_us[former[i]] if former[i] >= 0 else -1
+        last[p], last_gap[p] = i, gap

@@ -10,6 +10,7 @@ from voltcam_lab.distances import (
     Region,
 )
 from voltcam_lab.distances import inter_event_intervals as interval_measures
+from voltcam_lab.light.known import KnownLight
 from voltcam_simulator.effect import Events
 
 
@@ -120,3 +121,16 @@ def test_terciles_are_those_of_the_real_intervals() -> None:
     third = real.x.astype(int) * 3 // WIDTH
     assert np.corrcoef(brightness, third)[0, 1] > 0.8  # an edge falls into one of the three
     assert not speed.any()
+
+
+def test_intervals_through_light_that_is_not_known_are_left_out() -> None:
+    """A pixel's light is not known from 500 to 600 us, another one's always is."""
+    known = KnownLight.everywhere(np.arange(0, 1001, 100), HEIGHT, WIDTH)
+    known.gaps[5, 2 * WIDTH + 3] = False
+    t = np.array([100, 110, 250, 250, 640, 650])
+    x = np.array([3, 4, 3, 4, 3, 4])
+    events = stream(t, x, np.full(6, 2), np.ones(6, bool))
+    whole = Region.whole(WIDTH, HEIGHT, 0, 1000)
+    found = interval_measures.same_polarity(events, whole, known)
+    assert 10**found.decades == pytest.approx([150, 140, 400])
+    assert len(interval_measures.any_polarity(events, whole).decades) == 4

@@ -58,6 +58,16 @@ def test_where_a_frame_surprises_its_neighbourhood_is_not_trusted_before_and_aft
     assert scene(images).trusted(0.2).all()
 
 
+@pytest.mark.parametrize(("brightest", "trusted"), [(255, False), (254, True), (300, True)])
+def test_how_bright_white_is_frames_do_not_tell(brightest: int, trusted: bool) -> None:
+    """Unless they have brighter pixels."""
+    images = np.full((9, 6, 8), 100.0)
+    images[:, 2, 3], images[:, 5, 5] = min(brightest, 255), brightest
+    found = scene(images).trusted().reshape(8, 6, 8)
+    assert (found[:, 2, 3] == trusted).all()
+    assert found[:, 2, 4].all()
+
+
 def test_doubt_is_largest_half_way_and_nothing_at_a_frame() -> None:
     images = ramp().astype(float)
     images[3, 1, 2] += 8

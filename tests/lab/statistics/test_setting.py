@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from voltcam_lab.light.known import KnownLight
 from voltcam_lab.light.scene import scene_of
 from voltcam_lab.statistics.setting import PARTS, block_edges_us, checkerboard, setting_of
 from voltcam_lab.statistics.strata import INTENSITIES, REST, SLOPES
@@ -54,6 +55,17 @@ def test_rises_falls_and_rest_add_up_to_the_light_s_own() -> None:
     assert setting.bustle[:, -1].sum() == pytest.approx(2 * moving.sum(), rel=1e-3)
     assert setting.seconds.shape == (PARTS, INTENSITIES, SLOPES)
     assert setting.seconds[..., REST].sum() == pytest.approx(rest_s.sum())
+
+
+def test_light_that_is_not_known_is_no_path_and_no_time() -> None:
+    whole = brightening(2.0)
+    gaps = np.ones((200, PIXELS), bool)
+    gaps[50:150, : PIXELS // 2] = False  # half of the time, in half of the pixels
+    setting = setting_of(whole.scene, whole.frame_t_us, known=KnownLight(gaps, whole.scene.taken_us, WIDTH))
+    share = np.where(np.arange(PIXELS) < PIXELS // 2, 0.5, 1.0)
+    assert setting.seconds.sum() == pytest.approx(2.0 * share.sum())
+    assert setting.path.sum(axis=(0, 1)) == pytest.approx(whole.path.sum(axis=(0, 1)) * share, rel=0.02)
+    assert setting.bustle[:, -1].sum() == pytest.approx(0.75 * whole.bustle[:, -1].sum(), rel=0.02)
 
 
 def test_pixels_that_are_kept_have_their_places() -> None:

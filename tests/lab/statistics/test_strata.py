@@ -23,10 +23,10 @@ def test_half_of_the_weight_lies_below_the_weighted_median(pairs: list[tuple[int
 
 def strata(grey: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
     """(intensity, slope) of each pixel (K,) and step, and the speed that divides slow from fast."""
-    light = grey.astype(np.float32)
-    t_us = np.arange(light.shape[1]) * PERIOD_US
+    light = np.ascontiguousarray(grey.T, np.float32)
+    t_us = np.arange(len(light)) * PERIOD_US
     found = light_strata(light, np.log(light + 20), t_us)
-    return (*np.divmod(found.index, SLOPES), found.fast_per_s)
+    return (*np.divmod(found.index.T, SLOPES), found.fast_per_s)
 
 
 def test_shares_of_pixels_and_time_are_those_of_the_edges() -> None:

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
+from voltcam_lab.light.known import KnownLight
 from voltcam_lab.statistics.setting import setting_of
 from voltcam_lab.statistics.strata import SLOPES
 from voltcam_lab.statistics.stream import NONE, stream_of
 
-from .streams import HEIGHT, PIXELS, WIDTH, brightening, poisson
+from .streams import HEIGHT, PERIOD_US, PIXELS, WIDTH, brightening, poisson
 
 
 def test_each_event_is_in_its_step_block_and_tile_with_its_light_and_its_former() -> None:
@@ -36,8 +37,32 @@ def test_each_event_is_in_its_step_block_and_tile_with_its_light_and_its_former(
         place = setting.pixels.tolist().index(pixel)
         assert found.quarter[i] == block % 4
         assert found.part[i] == 2 * (block % 2) + setting.tiles.ravel()[pixel]
-        assert SLOPES * found.intensity[i] + found.slope[i] == setting.strata.index[place, step]
+        assert SLOPES * found.intensity[i] + found.slope[i] == setting.strata.index[step, place]
         assert found.former[i] == last.get(pixel, -1)
         assert found.interval_us[i] == (t - kept[last[pixel]][0] if pixel in last else NONE)
         last[pixel] = i
     assert found.log == pytest.approx(np.log(25) + 1.15e-6 * found.t_us, abs=1e-3)
+
+
+def test_an_interval_through_light_that_is_not_known_is_none() -> None:
+    """Such light holds no events either. Brute force, pixel by pixel."""
+    whole = brightening(2.0)
+    gaps = np.random.default_rng(3).random((200, PIXELS)) < 0.9
+    known = KnownLight(gaps, whole.scene.taken_us, WIDTH)
+    setting = setting_of(whole.scene, whole.frame_t_us, known=known)
+    events = poisson(np.random.default_rng(4), 30.0, 2.0)
+    found = stream_of(setting, events)
+    gap = found.t_us // PERIOD_US
+    assert gaps[gap, found.pixel].all()
+    kept = gaps[events["t"] // PERIOD_US, events["y"].astype(int) * WIDTH + events["x"]]
+    assert len(found.t_us) == kept.sum() < len(events)
+    last: dict[int, int] = {}
+    cut = 0
+    for i, pixel in enumerate(found.pixel.tolist()):
+        before = last.get(pixel, -1)
+        through = before >= 0 and gaps[gap[before] : gap[i] + 1, pixel].all()
+        cut += before >= 0 and not through
+        assert found.former[i] == (before if through else -1)
+        assert found.interval_us[i] == (found.t_us[i] - found.t_us[before] if through else NONE)
+        last[pixel] = i
+    assert cut > 1000

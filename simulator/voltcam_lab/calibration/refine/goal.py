@@ -1,6 +1,5 @@
 """How far simulated events are from a recording's, as one smooth number to be made small."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,6 +11,7 @@ from voltcam_simulator.effect import Events
 from ...distances import FrameLight, Region
 from ...distances.counts import count_images, in_still_light, watched
 from ...distances.inter_event_intervals import Intervals, IntervalStrata, any_polarity, same_polarity
+from ...light.known import KnownLight
 
 DECADES = (1.5, 7.5)
 PER_DECADE = 10
@@ -22,20 +22,15 @@ SHARED = 40.0  # weight of events that share their time with a neighbour: few, b
 Vector = NDArray[np.float64]
 
 
-def anywhere(events: Events) -> Events:
-    """All of them."""
-    return events
-
-
 @dataclass(frozen=True, eq=False)
 class Goal:
-    """real: events of the recording, of which `region` is looked at, and there what is `known` well enough.
-    Light may go its own way between frames: what it does there must not be made up for."""
+    """real: events of the recording, of which `region` is looked at, and there those in `known` light, if it
+    is given. Light may go its own way between frames: what it does there must not be made up for."""
 
     real: Events
     region: Region
     light: FrameLight
-    known: Callable[[Events], Events] = anywhere
+    known: KnownLight | None = None
 
     def score(self, simulated: Events) -> float:
         """0 for the recording itself. What it adds up:
@@ -46,7 +41,7 @@ class Goal:
         - ON and OFF events where light stands still;
         - the share of events that have their time in common with another one near them.
         """
-        simulated = self.region.of(self.known(simulated))
+        simulated = self.region.of(self._in_known_light(simulated))
         total = 0.0
         for real, other in zip(self._histograms, self._histograms_of(simulated), strict=True):
             size = max(real.sum(), 50.0)
@@ -61,11 +56,14 @@ class Goal:
 
     @cached_property
     def _real(self) -> Events:
-        return self.known(self.real)
+        return self._in_known_light(self.real)
+
+    def _in_known_light(self, events: Events) -> Events:
+        return events if self.known is None else self.known.where(events)
 
     @cached_property
     def _same(self) -> Intervals:
-        return same_polarity(self._real, self.region)
+        return same_polarity(self._real, self.region, self.known)
 
     @cached_property
     def _strata(self) -> IntervalStrata:
@@ -76,7 +74,7 @@ class Goal:
         return self._histograms_of(self._real)
 
     def _histograms_of(self, events: Events) -> list[Vector]:
-        same, pairs = same_polarity(events, self.region), any_polarity(events, self.region)
+        same, pairs = (of(events, self.region, self.known) for of in (same_polarity, any_polarity))
         found = []
         for third in self._strata.numbers(same):
             for number in range(3):

@@ -10,7 +10,6 @@ the light between frames of this recording, and be wrong in any other.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +25,7 @@ from .coordinates import (
     parameters_at,
     point_of,
 )
-from .goal import Goal, anywhere
+from .goal import Goal
 
 DEVELOPED_PIXELS = 12  # side of the tiles, every other one of which judges what is kept
 KNOWN = 0.3  # of the brightness: light that is further off between frames takes no part
@@ -66,7 +65,7 @@ def refine(
     see others. longest: pixels times images of light that are simulated, the busiest stretch of more.
     """
     part = _busiest(events, scene, fitting, longest)
-    known = partial(scene.where, scene.trusted(KNOWN)) if same_light else anywhere
+    known = scene.known(KNOWN) if same_light else None
     seen, other = (Goal(events, half, light, known) for half in by_pixels(part, DEVELOPED_PIXELS))
     search = CoordinateSearch(start, seen, other, scene, part, seed, report)
     point = point_of(start)

@@ -1,9 +1,12 @@
 """Light that the frames of a recording may have been taken of."""
 
-from collections.abc import Iterator
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+
+from voltcam_simulator import Simulator
 
 from ...light.between_frames import CURVES
 from ...light.scene import Scene
@@ -34,6 +37,22 @@ def light_behind(scene: Scene, version: int, settings: RigSettings) -> Iterator[
         light = image + more * (image - straight) + error * gap * uncertainty
         light += (1 - phase) * hidden[frame] + phase * hidden[frame + 1]
         yield np.maximum(light, 0).astype(np.float32), t_us
+
+
+def run_up(
+    simulator: Simulator, images: Sequence[LightImage] | LightImage, times_us: Sequence[int], lead_in_us: int,
+    there_us: int = 0,
+) -> None:  # fmt: skip
+    """Show a simulator what comes before the first of the images: what comes after it, backwards.
+
+    A scene that moves has moved before, and voltages tell of that until a pixel's first event. there_us: the
+    camera has been there for so long at least, and has seen a still scene before.
+    """
+    begin_us = times_us[0]
+    last = bisect_right(times_us, begin_us + lead_in_us) - 1
+    simulator.advance(images[last], min(2 * begin_us - times_us[last] - 1, begin_us - there_us))
+    for k in range(last, 0, -1):
+        simulator.advance(images[k], 2 * begin_us - times_us[k])
 
 
 def _hidden_by_rounding(scene: Scene, version: int) -> NDArray[np.float16]:

@@ -12,7 +12,7 @@ from voltcam_simulator import EVENT, Parameters, Simulator
 
 from ...statistics import COUNTS, Setting, Values, observe
 from ..catalogue.entries import acts_across_columns, lead_in_us
-from .lights import light_behind
+from .lights import light_behind, run_up
 from .settings import DEFAULT_RIG, RigSettings
 
 Events = NDArray[np.void]
@@ -42,10 +42,6 @@ class Rig:
         if lights is not None:
             self.lights = lights
 
-    @cached_property
-    def _known(self) -> NDArray[np.bool_]:
-        return self.setting.scene.trusted()
-
     @property
     def versions(self) -> int:
         """How many versions of the light there are."""
@@ -70,11 +66,11 @@ class Rig:
 
     def observe(self, events: Events) -> Values:
         """(PARTS, n) statistics of events, `in_trusted_light`."""
-        return comparable(observe(self.setting, self.in_trusted_light(events)).values)
+        return comparable(observe(self.setting, events).values)
 
     def in_trusted_light(self, events: Events) -> Events:
         """Those events that come where the light is known well enough (`Scene.trusted`)."""
-        return self.setting.scene.where(self._known, events)
+        return self.setting.known.where(events)
 
     def events(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> list[Events]:
         """The events of each run of a batch. seeds: in sequence, of one batch.
@@ -97,7 +93,7 @@ class Rig:
         columns = slice(left, left + copies * (scene.width + GUTTER) - GUTTER)
         simulator = Simulator(columns.stop - left, scene.height, parameters, seed=seed)
         images, times_us = self.lights[0][:, :, columns], self.lights[1]
-        simulator.advance(images[0], times_us[0] - max(self.settings.lead_in_us, lead_in_us(parameters)))
+        run_up(simulator, images, times_us, self.settings.lead_in_us, lead_in_us(parameters))
         found = [simulator.advance(image, t_us) for image, t_us in zip(images, times_us, strict=True)]
         found.append(simulator.advance(images[-1], times_us[-1] + self.settings.lead_out_us))
         as_bytes = np.concatenate([events.view(np.uint8) for events in found])  # numpy joins records slowly

@@ -54,8 +54,8 @@ class RigSettings:
     recordings without an effect ask for."""
     moved_lights: tuple[tuple[float, float], ...] = ((0.0, 0.4), (-0.6, 0.6), (0.3, 0.4), (-0.3, 0.6))
     """As many versions of the light where motion had to be guessed. Development."""
-    lead_in_us: int = 300_000
-    """Time for which a camera has been there before it records: light that flickers, queues. Convention."""
+    lead_in_us: int = 500_000
+    """Time for which a camera has seen the scene before it records, see `run_up`. Convention."""
     lead_out_us: int = 100_000
     """Time for which it goes on, for events that are late. Convention."""
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain, islice, starmap, takewhile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +15,11 @@ from ...dependence.clock import clock_of
 from ...dependence.covariates import Look
 from ...dependence.told_apart import STEPS, Telling, ToldApart, told_apart
 from ...distances import FrameLight
+from ...light.known import KnownLight
 from ...light.scene import Scene
 from ...recordings import Footage
 from ..catalogue.entries import lead_in_us
-from .lights import light_behind
+from .lights import light_behind, run_up
 from .settings import RigSettings
 
 SEEDS = 1 << 19  # of these runs, away from those of the search
@@ -71,8 +73,8 @@ class WholeSensor:
         return self.light()
 
     @cached_property
-    def _known(self) -> NDArray[np.bool_]:
-        return self.scene.trusted()
+    def _known(self) -> KnownLight:
+        return self.scene.known()
 
     @cached_property
     def look(self) -> Look:
@@ -104,17 +106,15 @@ class WholeSensor:
         """One run, on a version of the light."""
         scene = self.scene
         simulator = Simulator(scene.width, scene.height, parameters, seed=SEEDS + version + self.seed)
-        found = [np.empty(0, EVENT)]
-        for image, t_us in light_behind(scene, version, self.settings):
-            if t_us > until_us:
-                break
-            if len(found) == 1:
-                simulator.advance(image, t_us - max(self.settings.lead_in_us, lead_in_us(parameters)))
-            found.append(simulator.advance(image, t_us))
-        events = np.concatenate(found)
+        light, run_up_us = light_behind(scene, version, self.settings), self.settings.lead_in_us
+        head = list(islice(light, int(np.searchsorted(scene.t_us, scene.t_us[0] + run_up_us)) + 1))
+        images, times_us = zip(*head, strict=True)
+        run_up(simulator, images, times_us, run_up_us, lead_in_us(parameters))
+        seen = takewhile(lambda one: one[1] <= until_us, chain(head, light))
+        events = np.concatenate([np.empty(0, EVENT), *starmap(simulator.advance, seen)])
         kept: Events = events[events["t"] >= scene.t_us[0]]
         return kept  # as of the recording, nothing is known of before
 
     def judged(self, events: Events) -> NDArray[np.bool_]:
         """(n,): whether an event comes where the light is known well enough (`Scene.trusted`)."""
-        return self.scene.within(self._known, events)
+        return self._known.within(events)

@@ -2,8 +2,9 @@
 
 How well does a wrong explanation explain? The catalogue itself can tell. Each effect is left out once, and
 its signature is made as large as the gap. What the best others leave of it is what stand-ins leave: a
-distribution of shares of the gap. Effects that are there leave what the light between frames leaves, and a
-little for their forms: an amount that is exponential about its mean.
+distribution of shares of the gap. What the light between frames leaves, and a little for the forms of
+effects, is there either way: an amount that is exponential about its mean. Effects that are there leave it
+and no more, stand-ins their share of the rest besides.
 """
 
 from collections.abc import Sequence
@@ -20,6 +21,7 @@ from .spread import flat
 from .step import SearchStep
 
 Z = NDArray[np.float64]
+_MIDDLES = (np.arange(200) + 0.5) / 200  # quantiles over which light's part is averaged
 
 
 @dataclass(frozen=True)
@@ -48,16 +50,24 @@ def weighed(excess: float, left: float, largest: float, shares: Sequence[float],
 
     largest: the excess before any effect was found; the forms of all of them leave something of it.
     """
-    share, mean = min(left / excess, 1.0), naming.light + naming.form * largest
+    mean, law = naming.light + naming.form * largest, _law(shares, naming)
+    left = min(max(left, 1e-3 * excess), 0.999 * excess)  # at its ends a density may be nothing
+    by_light = -np.expm1(-left / mean)  # the probability that light and forms leave no more
+    rest = excess + mean * np.log1p(-by_light * _MIDDLES)
+    share = (left - excess + rest) / rest
+    stands_in = by_light * np.mean(beta.pdf(share, *law) / rest)
+    as_little = by_light * np.mean(beta.cdf(share, *law)) / -np.expm1(-excess / mean)
+    return Evidence(float(-left / mean - np.log(mean * stands_in)), float(as_little))
+
+
+def _law(shares: Sequence[float], naming: Naming) -> tuple[float, float]:
+    """The beta law of the shares that stand-ins leave, by moments; the usual ones count as some more."""
     known, (usual, spread), weight = np.array(shares), naming.usual_stand_in, naming.usual_weight
     centre = (known.sum() + weight * usual) / (known.size + weight)
     squares = ((known - centre) ** 2).sum() + weight * (spread**2 + (usual - centre) ** 2)
-    size = centre * (1 - centre) * (known.size + weight) / squares - 1  # by moments
+    size = centre * (1 - centre) * (known.size + weight) / squares - 1
     size = max(size, 1 / min(centre, 1 - centre))  # no more stand-ins near 0 or 1 than in between
-    law = centre * size, (1 - centre) * size
-    there = np.log(excess / mean) - left / mean
-    inside = np.clip(share, 1e-3, 1 - 1e-3)  # at its ends a density may be nothing
-    return Evidence(float(there - beta.logpdf(inside, *law)), float(beta.cdf(share, *law)))
+    return centre * size, (1 - centre) * size
 
 
 def stand_ins(screen: Screen, excess: float, effects: int) -> list[float]:

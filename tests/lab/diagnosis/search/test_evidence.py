@@ -1,5 +1,7 @@
 """The evidence for effects, by what is left of gaps, and by signatures of which it is known who stands in."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import beta
@@ -60,10 +62,38 @@ def test_what_has_no_name_is_given_one_as_seldom_as_was_asked() -> None:
 
 
 def test_the_law_of_stand_ins_is_that_of_those_seen_where_there_are_many() -> None:
-    seen = np.random.default_rng(5).beta(3, 5, 3000)
+    """Of a gap so large that light leaves next to nothing of it."""
+    seen, large = np.random.default_rng(5).beta(3, 5, 3000).tolist(), 1000.0
+    naming = replace(NAMING, form=0.0)
     for share in (0.1, 0.3, 0.6):
-        found = weighed(1.0, share, 1.0, seen.tolist(), NAMING).wrong
+        found = weighed(large, large * share, large, seen, naming).wrong
         assert found == pytest.approx(beta(3, 5).cdf(share), abs=0.03)
+
+
+@pytest.mark.parametrize("excess", [0.3, 0.6, 2.0])
+def test_light_leaves_as_much_where_an_effect_stands_in(excess: float) -> None:
+    """By 100 000 draws of what both leave together: shares are within six sd."""
+    rng, seen = np.random.default_rng(6), np.random.default_rng(7).beta(4, 3, 3000)
+    mean = NAMING.light + NAMING.form * excess
+    light = rng.exponential(mean, 200_000)
+    light = light[light < excess][:100_000]
+    left = light + rng.choice(seen, light.size) * (excess - light)
+    for share in (0.2, 0.5, 0.8):
+        found = weighed(excess, excess * share, excess, seen.tolist(), NAMING).wrong
+        assert found == pytest.approx(np.mean(left <= excess * share), abs=0.02)
+
+
+def test_the_odds_are_those_of_two_laws_of_what_is_left() -> None:
+    """In a narrow bin about what is left, draws of each law are as frequent as the odds say."""
+    rng, seen = np.random.default_rng(8), np.random.default_rng(9).beta(4, 3, 300_000)
+    excess, left, n = 0.6, 0.15, 1_000_000
+    mean = NAMING.light + NAMING.form * excess
+    light = rng.exponential(mean, 2 * n)
+    light = light[light < excess][:n]
+    stands_in = light + rng.choice(seen, n) * (excess - light)
+    near = [np.count_nonzero(abs(what - left) < 0.01) for what in (light, stands_in)]
+    found = weighed(excess, left, excess, seen.tolist(), NAMING).log_odds
+    assert found == pytest.approx(np.log(near[0] / near[1]), abs=0.1)
 
 
 def made_screen(*columns: tuple[Candidate, np.ndarray]) -> Screen:
