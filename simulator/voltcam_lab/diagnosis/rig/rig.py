@@ -45,7 +45,7 @@ class Rig:
     @property
     def versions(self) -> int:
         """How many versions of the light there are."""
-        return len(self.settings.lights)
+        return self.settings.versions
 
     @cached_property
     def lights(self) -> Lights:
