@@ -19,6 +19,7 @@ How = Upsampling | Literal["spline"]
 """As in `voltcam_video.between`, or along a spline through all frames."""
 _ROUNDING = 0.5  # by which a grey level that is no whole number may be off [DN]
 TRUSTED = 0.05  # of the brightness: a quarter of the contrast of a usual threshold
+TOLERANCES = (TRUSTED, 0.1, 0.2, 0.4)  # where few events are in light that is trusted as far
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,11 +11,12 @@ from scipy.ndimage import maximum_filter
 from voltcam_simulator import Simulator
 
 from ...light.between_frames import CURVES
-from ...light.known import KnownLight
-from ...light.scene import TRUSTED, Scene
+from ...light.known import Events, KnownLight
+from ...light.scene import TOLERANCES, Scene
 from .settings import RigSettings
 
 LightImage = NDArray[np.float32]
+_ENOUGH = 2_000  # events, or half of all: where as many are, light is not trusted farther
 _FREEDOM = 3  # degrees of it, of Student's law: of the light's errors 1 % are 4 to 15 times the median
 
 
@@ -42,17 +43,20 @@ def light_behind(scene: Scene, version: int, settings: RigSettings) -> Iterator[
         yield np.maximum(light, 0).astype(np.float32), t_us
 
 
-def known_light(scene: Scene) -> KnownLight:
-    """Where it is known well enough to say when an event is due.
+def known_light(scene: Scene, events: Events) -> KnownLight:
+    """Where it is known well enough to say when an event is due; as well as leaves enough of the events.
 
     Motion is a guess. So light along it is not known where it leaves the straight line from frame to frame,
     nor in the gaps before and behind a surprise: an edge may go by unseen there.
     """
-    known = scene.known()
-    if scene.how in CURVES:
-        return known
-    around = known.all_around()
-    return replace(around, gaps=around.gaps & (scene.bow < TRUSTED))
+    for tolerance in TOLERANCES:
+        known = scene.known(tolerance)
+        if scene.how not in CURVES:
+            known = known.all_around()
+            known = replace(known, gaps=known.gaps & (scene.bow < tolerance))
+        if np.count_nonzero(known.within(events)) >= min(_ENOUGH, len(events) / 2):
+            break
+    return known
 
 
 def run_up(
