@@ -19,7 +19,6 @@ How = Upsampling | Literal["spline"]
 """As in `voltcam_video.between`, or along a spline through all frames."""
 _ROUNDING = 0.5  # by which a grey level that is no whole number may be off [DN]
 TRUSTED = 0.05  # of the brightness: a quarter of the contrast of a usual threshold
-TOLERANCES = (TRUSTED, 0.1, 0.2, 0.4)  # where few events are in light that is trusted as far
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,20 +82,6 @@ class Scene:
         if self.taken.max() <= WHITE_DN + _ROUNDING:  # else it is not where these frames end
             unsure[self.taken >= WHITE_DN - _ROUNDING] = np.inf
         return unsure
-
-    @cached_property
-    def bow(self) -> NDArray[np.float32]:
-        """How far the images between a frame and the next are from a straight line, at most, of the
-        brightness; (M - 1, pixels)."""
-        taken = self.taken.reshape(len(self.taken), -1).astype(np.float32)
-        bow = np.zeros((len(taken) - 1, taken.shape[1]), np.float32)
-        gap = np.clip(np.searchsorted(self.taken_us, self.t_us, side="right") - 1, 0, len(bow) - 1)
-        for image, t_us, k in zip(self.images, self.t_us, gap, strict=True):
-            share = np.float32((t_us - self.taken_us[k]) / (self.taken_us[k + 1] - self.taken_us[k]))
-            straight = (1 - share) * taken[k] + share * taken[k + 1]
-            dark = np.minimum(taken[k], taken[k + 1]) + USUAL_DARK_DN
-            np.maximum(bow[k], np.abs(image.ravel() - straight) / dark, out=bow[k])
-        return bow
 
     def with_rounding(self, rounding: NDArray[np.float16]) -> "Scene":
         """The same scene, and what rounding its frames has hidden."""

@@ -94,13 +94,3 @@ def test_light_that_is_straight_stays_so_when_it_is_made_coarser() -> None:
     taken_us = 4000 * np.arange(6, dtype=np.int64)
     scene = scene_of(np.full((6, 2, 3), 50, np.uint8), taken_us, "spline")
     assert scene.coarser().t_us.tolist() == taken_us.tolist()
-
-
-def test_the_bow_is_how_far_images_leave_the_straight_line() -> None:
-    taken = np.full((3, 2, 2), 100.0, np.float32)
-    taken[1, 0, 1] = 140
-    taken_us, t_us = np.array([0, 10_000, 20_000]), np.array([0, 2500, 5000, 10_000, 20_000])
-    images = np.stack([taken[0], taken[0], taken[0], taken[1], taken[2]])
-    found = Scene(taken, taken_us, images, t_us, "auto")
-    assert found.bow[0] == pytest.approx([0, 20 / 120, 0, 0])  # at 5000 us 120 DN would be straight
-    assert not found.bow[1].any()

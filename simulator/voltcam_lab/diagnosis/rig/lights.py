@@ -2,61 +2,41 @@
 
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter
 
 from voltcam_simulator import Simulator
 
 from ...light.between_frames import CURVES
-from ...light.known import Events, KnownLight
-from ...light.scene import TOLERANCES, Scene
+from ...light.scene import Scene
 from .settings import RigSettings
 
 LightImage = NDArray[np.float32]
-_ENOUGH = 2_000  # events, or half of all: where as many are, light is not trusted farther
-_FREEDOM = 3  # degrees of it, of Student's law: of the light's errors 1 % are 4 to 15 times the median
 
 
 def light_behind(scene: Scene, version: int, settings: RigSettings) -> Iterator[tuple[LightImage, int]]:
-    """(H, W) float32 [DN] and its time [us], for each of the scene's images. version: a number.
-
-    What frames leave open is an error that is nothing at a frame, but for what rounding hides there, and
-    largest half way to the next. Few errors are large: they are where an edge goes by unseen.
-    """
+    """(H, W) float32 [DN] and its time [us], for each of the scene's images. version: a number."""
     rng = np.random.default_rng(version)
-    largest = maximum_filter(scene.surprise.reshape(scene.taken.shape), (1, 3, 3))
-    error = settings.curve_error if scene.how in CURVES else settings.moved_error
+    more, error = (settings.lights if scene.how in CURVES else settings.moved_lights)[version]
     shape, last = scene.taken.shape[1:], len(scene.taken_us) - 1
     frame, gap = -1, np.zeros(shape, np.float32)
     hidden = _hidden_by_rounding(scene, version)
     for image, t_us in zip(scene.images, scene.t_us.tolist(), strict=True):
         while frame < 0 or (frame < last - 1 and t_us > scene.taken_us[frame + 1]):
-            frame += 1
-            gap = error * np.maximum(largest[frame], largest[frame + 1]) * rng.standard_t(_FREEDOM, shape)
+            gap, frame = rng.standard_normal(shape, np.float32), frame + 1
         begin_us, end_us = scene.taken_us[frame], scene.taken_us[frame + 1]
         phase = np.float32(np.clip((t_us - begin_us) / (end_us - begin_us), 0, 1))
-        light = image + gap * (4 * phase * (1 - phase))
+        straight = (1 - phase) * scene.taken[frame] + phase * scene.taken[frame + 1]
+        uncertainty = (
+            4
+            * phase
+            * (1 - phase)
+            * np.maximum(scene.surprise[frame], scene.surprise[frame + 1]).reshape(shape)
+        )
+        light = image + more * (image - straight) + error * gap * uncertainty
         light += (1 - phase) * hidden[frame] + phase * hidden[frame + 1]
         yield np.maximum(light, 0).astype(np.float32), t_us
-
-
-def known_light(scene: Scene, events: Events) -> KnownLight:
-    """Where it is known well enough to say when an event is due; as well as leaves enough of the events.
-
-    Motion is a guess. So light along it is not known where it leaves the straight line from frame to frame,
-    nor in the gaps before and behind a surprise: an edge may go by unseen there.
-    """
-    for tolerance in TOLERANCES:
-        known = scene.known(tolerance)
-        if scene.how not in CURVES:
-            known = known.all_around()
-            known = replace(known, gaps=known.gaps & (scene.bow < tolerance))
-        if np.count_nonzero(known.within(events)) >= min(_ENOUGH, len(events) / 2):
-            break
-    return known
 
 
 def run_up(

@@ -45,7 +45,7 @@ class Rig:
     @property
     def versions(self) -> int:
         """How many versions of the light there are."""
-        return self.settings.versions
+        return len(self.settings.lights)
 
     @cached_property
     def lights(self) -> Lights:

@@ -39,7 +39,7 @@ def test_runs_are_kept_and_a_broken_one_is_made_anew(
     np.testing.assert_array_equal(session.rig.run(parameters, SEEDS), first)
     assert len(made) == 4
     assert (StoredRig(session.rig.setting, tmp_path / "runs", seed=1).run(parameters, SEEDS) != first).any()
-    other = RigSettings(curve_error=0.4)
+    other = RigSettings(lights=((0.5, 0.4),) * 4)
     bent = StoredRig(session.rig.setting, tmp_path / "runs", settings=other).run(parameters, SEEDS)
     assert (bent != first).any()
     session.rig.run(parameters.changed({"comparator": {"theta_on": 1.1}}), SEEDS)

@@ -96,9 +96,11 @@ def test_an_effect_that_removes_little_of_a_large_gap_is_not_added(beside: float
     assert ("Trying refractory_period." in said) == tried
 
 
-@pytest.mark.parametrize(("beside", "verdict"), [(0.45, "effects"), (0.75, "unknown")])
-def test_an_effect_that_closes_a_small_gap_by_half_is_not_named(beside: float, verdict: str) -> None:
-    """What nobody knows leaves a fifth of the gap, or half of it, and either is little."""
+@pytest.mark.parametrize(("beside", "verdict"), [(0.45, "effects"), (0.9, "unknown")])
+def test_an_effect_that_closes_a_small_gap_by_less_than_half_is_not_named(
+    beside: float, verdict: str
+) -> None:
+    """What nobody knows leaves a quarter of the gap, or three fifths of it, and either is little."""
     found = asked(response(DEAD_TIME.on(BASE, (600.0,))) + beside * PATTERNS[10])
     assert found.verdict == verdict
     assert (len(found.found) == 1) == (verdict == "effects")
