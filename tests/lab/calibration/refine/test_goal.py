@@ -5,6 +5,7 @@ import pytest
 
 from voltcam_lab.calibration.refine.goal import SHARED, Goal
 from voltcam_lab.distances import FrameLight, Region
+from voltcam_lab.light.known import KnownLight
 from voltcam_simulator import EVENT
 
 SIDE, END_US = 24, 1_000_000
@@ -69,3 +70,13 @@ def test_events_that_share_their_time_with_a_neighbour_count_much(goal: Goal) ->
     apart["t"] = np.minimum(apart["t"] + 500, END_US - 1)
     pairs, none = (np.sort(np.concatenate([first, more]), order="t") for more in (beside, apart))
     assert goal.score(pairs) - goal.score(none) > 0.35 * SHARED
+
+
+def test_events_in_light_that_is_not_known_do_not_count(goal: Goal) -> None:
+    """From .4 to .5 s nothing is known: whatever comes there, the score is the recording's."""
+    frames_us = np.linspace(0, END_US, 21).astype(np.int64)
+    known = KnownLight.everywhere(frames_us, SIDE, SIDE)
+    known.gaps[8:10] = False
+    some = Goal(goal.real, goal.region, goal.light, known)
+    there = (goal.real["t"] >= frames_us[8]) & (goal.real["t"] < frames_us[10])
+    assert some.score(goal.real[~there]) == 0 < goal.score(goal.real[~there])
