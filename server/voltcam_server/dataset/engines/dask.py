@@ -51,6 +51,25 @@ class DaskEngine(Engine):
             raise UsageError(f"{blind[0]} does not see {folder}: give a folder that all workers share")
 
     def run(self, work: Work, items: Iterable[Item], stop: threading.Event) -> Iterator[ItemOutcome]:
+        blamed = list[Item]()
+        for item, outcome in self._together(work, items, stop):
+            if outcome is None:
+                blamed.append(item)
+            else:
+                yield outcome
+        for item in blamed:
+            # Dask blames all that waited at a worker that died. Alone, only what kills it is blamed.
+            for _, outcome in self._together(work, [item], stop):
+                yield outcome or failure(item, KILLED.format(times=MOST_DEATHS + 1))
+
+    def close(self) -> None:
+        """What was handed out and has not begun is taken back."""
+        self._client.close()
+
+    def _together(
+        self, work: Work, items: Iterable[Item], stop: threading.Event
+    ) -> Iterator[tuple[Item, ItemOutcome | None]]:
+        """As many at a time as there are workers. No outcome where too many workers died with the item."""
         waiting, running = iter(items), dict[Any, Item]()
         seen_s = time.monotonic()
         while True:
@@ -67,11 +86,7 @@ class DaskEngine(Engine):
             if time.monotonic() - seen_s > WITHOUT_WORKERS_S:
                 raise EngineGoneError(f"{self._address} has had no worker for {WITHOUT_WORKERS_S:.0f} s")
             for future in self._done(running):
-                yield self._outcome(future, running.pop(future))
-
-    def close(self) -> None:
-        """What was handed out and has not begun is taken back."""
-        self._client.close()
+                yield running.pop(future), self._outcome(future)
 
     def _threads(self) -> int:
         try:
@@ -89,11 +104,11 @@ class DaskEngine(Engine):
             return []
         return [future for future in running if future.done()]
 
-    def _outcome(self, future: Any, item: Item) -> ItemOutcome:
+    def _outcome(self, future: Any) -> ItemOutcome | None:
         try:
             outcome: ItemOutcome = future.result()
         except self._distributed.scheduler.KilledWorker:
-            return failure(item, KILLED.format(times=MOST_DEATHS + 1))
+            return None
         except (self._distributed.CancelledError, OSError) as error:
             raise EngineGoneError(f"{self._address} is gone ({one_line(error)})") from None
         return outcome

@@ -109,6 +109,14 @@ def test_a_set_from_a_cluster_one_worker_of_which_is_killed_is_the_same(
                 list(engine.run(deeds.done, deeds.items(2), threading.Event()))
 
 
+@pytest.mark.filterwarnings("ignore")  # as above
+def test_what_waits_where_a_worker_is_killed_is_not_blamed(tmp_path: Path) -> None:
+    with cluster(tmp_path, workers=1) as here, open_engine(here.address, 1) as engine:
+        outcomes = list(engine.run(deeds.dies, deeds.items(6), threading.Event()))
+    assert [one.item.clip.name for one in outcomes if one.failed is not None] == ["clip2"]
+    assert sorted(one.item.seed for one in outcomes) == list(range(6))
+
+
 def test_a_scheduler_that_is_not_there_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(dask, "CONNECT_S", 0.5)
     address = f"dask://127.0.0.1:{free_port()}"
