@@ -22,6 +22,7 @@ from .catalogue.clues import Clues
 from .catalogue.entries import ENTRIES, event_delay_us
 from .catalogue.entry import Entry
 from .rig.clock import counted_from, origin_us
+from .rig.lights import known_light
 from .rig.part import cut, in_columns, sample
 from .rig.settings import DEFAULT_RECORDING, DEFAULT_RIG, RecordingSettings, RigSettings
 from .rig.stored import StoredRig
@@ -124,7 +125,9 @@ def session_of(
     columns = sample(recording, settings, parameters.longest_step_us)
     scene = best_scene(recording.frames, recording.frame_t_us, columns, settings.noisy_dn2)
     part = in_columns(recording, columns)
-    setting = setting_of(scene, recording.frame_t_us, None, recording.exposure_us, parameters, scene.known())
+    setting = setting_of(
+        scene, recording.frame_t_us, None, recording.exposure_us, parameters, known_light(scene)
+    )
     rig = StoredRig(setting, folder, seed, rig_settings, processes=processes)
     known = len(rig.in_trusted_light(part.events))
     if known < settings.fewest_events:

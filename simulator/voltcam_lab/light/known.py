@@ -1,6 +1,6 @@
 """Where the light between frames is known, and from which event of a pixel to the next it has been."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -25,6 +25,13 @@ class KnownLight:
     def everywhere(cls, taken_us: NDArray[np.int64], height: int, width: int) -> "KnownLight":
         """All of it, between these frames."""
         return cls(np.ones((len(taken_us) - 1, height * width), np.bool_), taken_us, width)
+
+    def all_around(self) -> "KnownLight":
+        """Where it is known in the gaps before and behind, too, as far as there are any."""
+        gaps = self.gaps.copy()
+        gaps[1:] &= self.gaps[:-1]
+        gaps[:-1] &= self.gaps[1:]
+        return replace(self, gaps=gaps)
 
     @cached_property
     def last_unknown(self) -> NDArray[np.int32]:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
@@ -18,6 +19,7 @@ from .spline import along_spline
 How = Upsampling | Literal["spline"]
 """As in `voltcam_video.between`, or along a spline through all frames."""
 _ROUNDING = 0.5  # by which a grey level that is no whole number may be off [DN]
+CHORD = 0.005  # of the brightness: half of what rounding hides in the dark
 TRUSTED = 0.05  # of the brightness: a quarter of the contrast of a usual threshold
 
 
@@ -78,10 +80,24 @@ class Scene:
         """
         bright = self.taken.reshape(len(self.taken), -1).astype(np.float32) + USUAL_DARK_DN
         share = (self.surprise / bright).reshape(self.taken.shape)
-        unsure = np.asarray(maximum_filter(share, size=(1, 3, 3)), np.float32)
+        unsure: NDArray[np.float32] = maximum_filter(share, size=(1, 3, 3))
         if self.taken.max() <= WHITE_DN + _ROUNDING:  # else it is not where these frames end
             unsure[self.taken >= WHITE_DN - _ROUNDING] = np.inf
         return unsure
+
+    @cached_property
+    def bow(self) -> NDArray[np.float32]:
+        """How far the images between a frame and the next are from a straight line, at most, of the
+        brightness; (M - 1, pixels)."""
+        taken = self.taken.reshape(len(self.taken), -1).astype(np.float32)
+        bow = np.zeros((len(taken) - 1, taken.shape[1]), np.float32)
+        gap = np.clip(np.searchsorted(self.taken_us, self.t_us, side="right") - 1, 0, len(bow) - 1)
+        for image, t_us, k in zip(self.images, self.t_us, gap, strict=True):
+            share = np.float32((t_us - self.taken_us[k]) / (self.taken_us[k + 1] - self.taken_us[k]))
+            straight = (1 - share) * taken[k] + share * taken[k + 1]
+            dark = np.minimum(taken[k], taken[k + 1]) + USUAL_DARK_DN
+            np.maximum(bow[k], np.abs(image.ravel() - straight) / dark, out=bow[k])
+        return bow
 
     def with_rounding(self, rounding: NDArray[np.float16]) -> "Scene":
         """The same scene, and what rounding its frames has hidden."""
@@ -89,13 +105,27 @@ class Scene:
 
     def coarser(self) -> "Scene":
         """The same scene. Where images cut the time between two frames into an even number of steps, only the
-        one in the middle is left of them: chords then miss a curve by a quarter of its sag."""
-        place = np.arange(len(self.t_us))
-        frame = np.searchsorted(self.taken_us, self.t_us, side="right") - 1
-        at = np.searchsorted(self.t_us, self.taken_us)
-        steps = np.diff(at, append=len(self.t_us))[frame]
-        kept = (place == at[frame]) | (2 * (place - at[frame]) == steps) | (steps % 2 == 1)
+        one in the middle is left of them, if chords then miss nearly all pixels by less than `CHORD`."""
+        kept = np.ones(len(self.t_us), np.bool_)
+        for first, last in pairwise(np.searchsorted(self.t_us, self.taken_us).tolist()):
+            middle = (first + last) // 2
+            coarse = [first, middle, last]
+            if (last - first) % 2 == 0 and self._missed(coarse) < CHORD:
+                kept[first + 1 : last] = False
+                kept[middle] = True
         return self._with(images=self.images[kept], t_us=self.t_us[kept])
+
+    def _missed(self, ends: list[int]) -> float:
+        """By how much chords from image to image of these miss those between them, of the brightness; all but
+        a hundredth of the pixels by less."""
+        missed = [0.0]
+        for first, last in pairwise(ends):
+            for k in range(first + 1, last):
+                share = np.float32((self.t_us[k] - self.t_us[first]) / (self.t_us[last] - self.t_us[first]))
+                chord = (1 - share) * self.images[first] + share * self.images[last]
+                error = np.abs(self.images[k] - chord) / (self.images[k] + np.float32(USUAL_DARK_DN))
+                missed.append(float(np.quantile(error, 0.99)))
+        return max(missed)
 
     def _with(self, **changes: Any) -> "Scene":
         scene = replace(self, **changes)

@@ -14,6 +14,7 @@ NEAR = 7  # pixels: a window of them moves together
 BUMP = 0.4  # grey levels: how far beyond the boundary light gets that comes and goes by the same one
 BLOCK = 8  # frames, and pixels each way: what moves has few cosines in it, rounding a little of all
 STEPS = (4, 2, 2)  # frames and pixels from one block to the next
+SHIFT = 0.25  # grey levels: light that moves by more from frame to frame is rounded at random
 NOISE_DN = 3 * 12**-0.5  # three standard deviations of rounding's error: smaller cosines are taken for it
 
 Light = NDArray[np.float32]
@@ -45,12 +46,22 @@ def unrounded(frames: NDArray[Any]) -> Light:
 def rounding_errors(light: Light) -> NDArray[np.float16]:
     """(2, M, H, W) [DN]: what `light`, frames (M, H, W) that were `unrounded`, may be off by.
 
-    It is what the same way makes of that light itself, had the boundaries of grey levels been a quarter of
-    one higher or lower (a parametric bootstrap: Efron 1979). Where they are, it would be found again exactly.
+    It is what the same way makes of that light itself, rounded once more (a parametric bootstrap: Efron
+    1979). Where light moves, rounding's error is a random one: what was found lies too near to whole levels
+    to be rounded to others. Where it rests, the boundaries of levels are some `SHIFT` higher or lower: where
+    they are, it would be found again exactly.
     """
-    shifts = np.array([-0.25, 0.25], np.float32)
-    again = [np.maximum(unrounded(np.floor(light + shift + 0.5)) - shift, 0) for shift in shifts]
-    return np.stack([light - one for one in again]).astype(np.float16)
+    moves = np.zeros(light.shape, np.bool_)
+    steps = np.abs(np.diff(light, axis=0)) > SHIFT
+    moves[1:] |= steps
+    moves[:-1] |= steps
+    errors = np.empty((2, *light.shape), np.float16)
+    for error, shift in zip(errors, (-SHIFT, SHIFT), strict=True):
+        rng = np.random.default_rng(int(shift > 0))
+        at_random = light + rng.random(light.shape, np.float32) - np.float32(0.5)
+        again = np.where(moves, at_random, np.floor(light + np.float32(shift + 0.5)) - np.float32(shift))
+        error[...] = light - np.maximum(unrounded(again), 0)
+    return errors
 
 
 def _without_small_cosines(light: Light) -> Light:

@@ -20,6 +20,7 @@ _LABELS = (
 
 def observe_frame_phase(setting: Setting, stream: EventTable) -> Values:
     """What the camera's own frames do to its events stands at one phase, or runs down the rows."""
+    stream = stream.settled
     phase = frame_phase_of(setting, stream)
     kind = 2 * stream.moving + stream.on
     band = stream.pixel // setting.scene.width * ROW_BANDS // setting.scene.height

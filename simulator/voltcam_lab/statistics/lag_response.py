@@ -21,6 +21,7 @@ _LABELS = labels(
 
 def observe_lag_response(setting: Setting, stream: EventTable) -> Values:
     """Sum over events of +-1 times the change of ln(L + k2) in a span of time before it: ON +, OFF -."""
+    stream = stream.settled
     table = np.zeros((PARTS, INTENSITIES, LAGS))
     add_changes(
         stream.t_us, stream.place, stream.on, stream.part, stream.intensity, setting.scene.t_us,

@@ -29,11 +29,12 @@ _LABELS = (
 
 def observe_neighbours(setting: Setting, stream: EventTable) -> Values:
     """Crosstalk: a neighbour fires too, at rest as well. Rows that differ: the readout. Rings: the lens."""
-    rings = ring_of(setting)[stream.pixel]
+    settled = stream.settled
+    rings = ring_of(setting)[settled.pixel]
     return np.hstack([
         _neighbours(setting, stream),
-        tally(stream.part, stream.on * RINGS + rings, 2 * RINGS),
-        _lines(setting, stream),
+        tally(settled.part, settled.on * RINGS + rings, 2 * RINGS),
+        _lines(setting, settled),
     ])  # fmt: skip
 
 

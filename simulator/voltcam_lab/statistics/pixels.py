@@ -41,6 +41,7 @@ _LABELS = (
 
 def observe_pixels(setting: Setting, stream: EventTable) -> Values:
     """Mismatch lasts and shows while moving; leak spread at rest; hot pixels stand out; dead are silent."""
+    stream = stream.settled
     n = counts(stream, len(setting.pixels))
     tile = setting.tiles.ravel()[setting.pixels]
     rows = []

@@ -10,6 +10,7 @@ _LABELS = labels("A", "events", "count", POLARITY, ("intensity", INTENSITY_NAMES
 
 def observe_rates(setting: Setting, stream: EventTable) -> Values:
     """Gain, thresholds, leak and noise by where they are; a lag shows as events in a lull."""
+    stream = stream.settled
     return tally(
         stream.part, (stream.on * INTENSITIES + stream.intensity) * SLOPES + stream.slope, len(_LABELS)
     )

@@ -1,6 +1,6 @@
 """The events of a recording, each with where and when it was in the setting, found in one pass."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
@@ -14,6 +14,9 @@ from voltcam_simulator.kernel import kernel
 _CLASSES = np.divmod(np.arange(INTENSITIES * SLOPES, dtype=np.int32), SLOPES)  # of each stratum's index
 NONE = -1
 """Interval of an event that has no other of its pixel before it."""
+SETTLED_US = 500_000
+"""How long voltages tell of light that is not known, at most, where no event came since. Measured: where the
+generator's light has just gone dark, pixels at rest give OFF events for 200 ms."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +43,15 @@ class EventTable:
     """To the last event of the pixel; NONE, too, where its light has not been known all the time since.
     `former` is that event's number."""
     former: NDArray[np.int32]
+    unsettled: NDArray[np.uint8]
+    """1 where light that is not known may have made the event: it is less than SETTLED_US ago, and no other
+    event came since. What was before the recording is not known either."""
+
+    @cached_property
+    def settled(self) -> "EventTable":
+        """Without those that are `unsettled`: for counts. `former` means nothing in it."""
+        kept = np.flatnonzero(self.unsettled == 0)
+        return EventTable(*(getattr(self, one.name)[kept] for one in fields(self)))
 
     @cached_property
     def thirds(self) -> NDArray[np.int64]:
@@ -58,14 +70,15 @@ def stream_of(setting: Setting, events: NDArray[np.void]) -> EventTable:
     n = len(key)
     t_us, interval_us, log = np.empty(n, np.int64), np.empty(n, np.int64), np.empty(n, np.float32)
     pixel, place, on, intensity, slope, moving, former = np.empty((7, n), np.int32)
-    part, quarter = np.empty((2, n), np.uint8)
+    part, quarter, unsettled = np.empty((3, n), np.uint8)
     locate(
         key, bits, setting.place, setting.known.taken_us, setting.known.last_unknown, setting.scene.t_us,
         setting.log_light, setting.strata.index, setting.block_edges_us, setting.tiles.ravel(), *_CLASSES,
         REST, t_us, pixel, place, on, part, quarter, intensity, slope, moving, log, interval_us, former,
+        unsettled,
     )  # fmt: skip
     return EventTable(
-        t_us, pixel, place, on, part, quarter, intensity, slope, moving, log, interval_us, former
+        t_us, pixel, place, on, part, quarter, intensity, slope, moving, log, interval_us, former, unsettled
     )
 
 
@@ -99,7 +112,7 @@ def locate(
     key: Any, bits: Any, places: Any, taken_us: Any, last_unknown: Any, scene_us: Any, log_light: Any,
     index: Any, edges_us: Any, tiles: Any, intensities: Any, slopes: Any, rest: Any,
     t_us: Any, pixel: Any, place: Any, on: Any, part: Any, quarter: Any, intensity: Any, slope: Any,
-    moving: Any, log: Any, interval_us: Any, former: Any,
+    moving: Any, log: Any, interval_us: Any, former: Any, unsettled: Any,
 ) -> None:  # fmt: skip
     """Fill the columns from t_us on. An event at t is of the step (from, to] that t lies in."""
     last, last_gap = np.full(places.size, -1, np.int32), np.zeros(places.size, np.int32)
@@ -120,5 +133,6 @@ def locate(
         intensity[i], slope[i] = intensities[index[step, k]], slopes[index[step, k]]
         moving[i] = slope[i] != rest
         former[i] = last[p] if last_unknown[gap, p] <= last_gap[p] else -1
+        unsettled[i] = former[i] < 0 and t < taken_us[last_unknown[gap, p] + 1] + SETTLED_US
         interval_us[i] = t - t_us[former[i]] if former[i] >= 0 else -1
         last[p], last_gap[p] = i, gap

@@ -14,6 +14,7 @@ _LABELS = labels("G", "events at rest", "count", POLARITY, TIME)
 
 def observe_trend(setting: Setting, stream: EventTable) -> Values:
     """A camera that warms up gives more and more ON at rest, and no more OFF."""
+    stream = stream.settled
     index = stream.on * SLICES + slice_of(setting, stream)
     return tally(stream.part, np.where(stream.moving == 1, -1, index), len(_LABELS))
 

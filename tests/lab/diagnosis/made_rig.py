@@ -47,7 +47,9 @@ class MadeRig(Rig):
     def __init__(self, response: Callable[[Parameters], Values] = response) -> None:
         self._response, self.settings = response, DEFAULT_RIG
 
-    def run(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> Values:
+    def run(
+        self, parameters: Parameters, seeds: Sequence[int], apart: bool = False, noisier: bool = False
+    ) -> Values:
         seen = self._response(parameters)
         return np.stack([seen + self.noise(seed) for seed in seeds])
 

@@ -37,11 +37,11 @@ def test_interrupted_and_resumed_it_gives_the_same_result(
     monkeypatch.setattr(cli_diagnose, "cores", lambda: 1)  # so that the runs can be counted here
     simulate, simulated = Rig.run, list[tuple[object, ...]]()
 
-    def interrupted(rig: Rig, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> Values:
-        simulated.append((*seeds, apart, parameters.model_dump_json()))
+    def interrupted(rig: Rig, parameters: Parameters, seeds: Sequence[int], *how: bool) -> Values:
+        simulated.append((*seeds, *how, parameters.model_dump_json()))
         if len(simulated) == 60:
             raise KeyboardInterrupt
-        return simulate(rig, parameters, seeds, apart)
+        return simulate(rig, parameters, seeds, *how)
 
     out = tmp_path / "out"
     monkeypatch.setattr(Rig, "run", interrupted)

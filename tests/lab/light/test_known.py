@@ -62,3 +62,9 @@ def test_everywhere_is_between_all_frames() -> None:
     inside = (made["t"] >= TAKEN_US[0]) & (made["t"] <= TAKEN_US[-1])
     assert (known.within(made) == inside).all()
     assert (known.stretch(made[inside]) == -1).all()
+
+
+def test_all_around_is_known_before_and_behind_too(known: KnownLight) -> None:
+    found = known.all_around()
+    for k in range(5):
+        assert (found.gaps[k] == known.gaps[max(k - 1, 0) : k + 2].all(axis=0)).all()

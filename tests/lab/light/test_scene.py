@@ -78,19 +78,40 @@ def test_doubt_is_largest_half_way_and_nothing_at_a_frame() -> None:
     assert not outside.any()
 
 
-def test_coarser_light_has_one_image_between_frames_in_the_middle() -> None:
+def swaying(pixels: int) -> Scene:
+    """Of 10 000 pixels so many go up and down by 40 of 100 DN, by 1.2 radians from frame to frame."""
     taken_us = 4000 * np.arange(30, dtype=np.int64)
-    taken = 100 + 40 * np.sin(taken_us[:, None, None] * 3e-4 + np.linspace(0, 6, 64).reshape(8, 8))
-    scene = scene_of(taken.astype(np.float32), taken_us, "cubic")
+    taken = np.full((30, 10_000), 100.0)
+    taken[:, :pixels] += 40 * np.sin(taken_us[:, None] * 3e-4 + np.linspace(0, 6, pixels))
+    return scene_of(taken.reshape(30, 100, 100).astype(np.float32), taken_us, "cubic")
+
+
+def test_coarser_light_has_one_image_between_frames_in_the_middle() -> None:
+    scene = swaying(90)  # less than a hundredth
     coarse = scene.coarser()
-    assert np.isin(taken_us, coarse.t_us).all()
+    assert np.isin(scene.taken_us, coarse.t_us).all()
     assert set(np.diff(scene.t_us)) == {1000}
     assert set(np.diff(coarse.t_us)) == {2000}
     assert coarse.images == pytest.approx(scene.images[np.isin(scene.t_us, coarse.t_us)])
     assert coarse.surprise is scene.surprise
 
 
+def test_light_that_chords_would_miss_stays_as_it_is() -> None:
+    """In the middle of a chord of 2 ms it misses 40 DN by (1 - cos 0.3), 1.8 DN."""
+    assert set(np.diff(swaying(10_000).coarser().t_us)) == {1000}
+
+
 def test_light_that_is_straight_stays_so_when_it_is_made_coarser() -> None:
     taken_us = 4000 * np.arange(6, dtype=np.int64)
     scene = scene_of(np.full((6, 2, 3), 50, np.uint8), taken_us, "spline")
     assert scene.coarser().t_us.tolist() == taken_us.tolist()
+
+
+def test_the_bow_is_how_far_images_leave_the_straight_line() -> None:
+    taken = np.full((3, 2, 2), 100.0, np.float32)
+    taken[1, 0, 1] = 140
+    taken_us, t_us = np.array([0, 10_000, 20_000]), np.array([0, 2500, 5000, 10_000, 20_000])
+    images = np.stack([taken[0], taken[0], taken[0], taken[1], taken[2]])
+    found = Scene(taken, taken_us, images, t_us, "auto")
+    assert found.bow[0] == pytest.approx([0, 20 / 120, 0, 0])  # at 5000 us 120 DN would be straight
+    assert not found.bow[1].any()

@@ -76,6 +76,17 @@ def test_errors_of_rounding_are_as_large_as_they_are() -> None:
             assert 0.6 < ratio < 1.6
 
 
+def test_errors_of_rounding_what_cosines_do_not_tell_change_from_frame_to_frame() -> None:
+    """Texture without any order that goes by: what is found of it is nearly as it was rounded."""
+    rng = np.random.default_rng(2)
+    texture = 60 + 15 * rng.standard_normal((16, 80))
+    wave = np.stack([texture[:, k : k + 16] for k in range(60)])
+    light = unrounded(rounded(wave))
+    for error in rounding_errors(light).astype(np.float32):
+        for measure in (np.std, lambda error: np.std(np.diff(error, axis=-3))):
+            assert measure(error) == pytest.approx(measure(light - wave), rel=0.25)
+
+
 def test_light_at_rest_may_be_off_but_rests() -> None:
     told = rounding_errors(np.full((20, 4, 4), 7, np.float32))
     assert np.ptp(told, axis=1).max() == 0

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from voltcam_client.packet import EVENT
 from voltcam_lab.light.scene import scene_of
 from voltcam_lab.statistics import GROUPS, Setting, setting_of
-from voltcam_lab.statistics.stream import stream_of
+from voltcam_lab.statistics.stream import SETTLED_US, stream_of
 
 WIDTH, HEIGHT, PERIOD_US = 24, 18, 10_000
 PIXELS = WIDTH * HEIGHT
@@ -44,6 +44,11 @@ def poisson(rng: np.random.Generator, rate_hz: object, seconds: float = 8.0, on:
     """Events at random, rate_hz for each pixel or for all."""
     pixel = np.repeat(np.arange(PIXELS), rng.poisson(np.broadcast_to(rate_hz, PIXELS) * seconds))
     return stream(rng.integers(1, int(seconds * 1e6), len(pixel)), pixel, on)
+
+
+def settled(events: Events) -> Events:
+    """Those that come so late that what was before the recording does not matter."""
+    return events[events["t"] >= SETTLED_US]
 
 
 def seen(setting: Setting, events: Events, group: str, name: str, *strata: str) -> NDArray[np.float64]:

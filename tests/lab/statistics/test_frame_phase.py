@@ -12,7 +12,7 @@ from voltcam_lab.statistics import Setting
 from voltcam_lab.statistics.frame_phase import PHASES, ROW_BANDS, crowding, frame_phase_of
 from voltcam_lab.statistics.stream import stream_of
 
-from .streams import HEIGHT, PERIOD_US, WIDTH, poisson, seen, still, stream
+from .streams import HEIGHT, PERIOD_US, WIDTH, poisson, seen, settled, still, stream
 
 SECONDS = 8.0
 
@@ -24,7 +24,7 @@ def rest() -> Setting:
 
 def test_phase_in_frame(rest: Setting) -> None:
     rng = np.random.default_rng(7)
-    events = poisson(rng, 5.0)
+    events = settled(poisson(rng, 5.0))
     locked = events.copy()
     locked["t"] = locked["t"] // PERIOD_US * PERIOD_US + 3010 + rng.integers(0, 20, len(events))
     assert seen(rest, locked, "F", "events", "ON", "rest", "2/8")[0] == len(events)
@@ -54,7 +54,7 @@ def test_the_phase_counts_from_the_begin_of_the_exposure(rest: Setting) -> None:
 def test_rows_that_are_read_in_turn_stand_in_their_bands(rest: Setting) -> None:
     """A row scan over the frame's period: bands of rows follow one another through the phases."""
     row = np.repeat(np.arange(HEIGHT), 5)
-    t_us = 3 * PERIOD_US + 1 + (row + 0.5) / HEIGHT * PERIOD_US
+    t_us = 60 * PERIOD_US + 1 + (row + 0.5) / HEIGHT * PERIOD_US
     events = stream(t_us.astype(np.int64), row * WIDTH)
     for band in range(ROW_BANDS):
         mine = row[row * ROW_BANDS // HEIGHT == band]

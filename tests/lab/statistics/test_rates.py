@@ -30,7 +30,7 @@ def test_rates_count_by_polarity_and_state(rest: Setting, rise: Setting) -> None
 
 
 def test_intensity_goes_with_the_light(rise: Setting) -> None:
-    early, late = stream([50_000], [7]), stream([1_950_000], [7])
+    early, late = stream([1, 50_000], [7, 7]), stream([1_950_000], [7])  # the first is not settled
     assert seen(rise, early, "A", "events", "darkest").sum() == 1
     assert seen(rise, late, "A", "events", "brightest").sum() == 1
 

@@ -36,7 +36,7 @@ def test_events_outside_of_time_or_kept_pixels_are_left_out() -> None:
     keep = np.zeros((HEIGHT, WIDTH), bool)
     keep[:, : WIDTH // 2] = True
     half = still(keep=keep)
-    inside = stream([1, 1_000_000, 8_000_000], [0, WIDTH, 2 * WIDTH])
+    inside = stream([1, 2, 1_000_000, 8_000_000], [0, 0, WIDTH, 2 * WIDTH])  # the first is not settled
     outside = stream([0, 8_000_001, 500_000], [0, 0, WIDTH - 1])
     both = observe(half, np.concatenate([outside, inside])).values
     np.testing.assert_array_equal(both, observe(half, inside).values)

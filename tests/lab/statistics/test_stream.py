@@ -66,3 +66,20 @@ def test_an_interval_through_light_that_is_not_known_is_none() -> None:
         assert found.interval_us[i] == (found.t_us[i] - found.t_us[before] if through else NONE)
         last[pixel] = i
     assert cut > 1000
+
+
+def test_events_that_light_which_is_not_known_may_have_made_are_not_settled() -> None:
+    """The first of its pixel within half a second of such light, or of the beginning. Brute force."""
+    whole = brightening(2.0)
+    gaps = np.random.default_rng(5).random((200, PIXELS)) < 0.99
+    setting = setting_of(whole.scene, whole.frame_t_us, known=KnownLight(gaps, whole.scene.taken_us, WIDTH))
+    found = stream_of(setting, poisson(np.random.default_rng(6), 2.0, 2.0))
+    settled = []
+    for t, pixel, former in zip(found.t_us, found.pixel, found.former, strict=True):
+        unknown = np.flatnonzero(~gaps[: t // PERIOD_US, pixel])
+        since_us = (unknown[-1] + 1) * PERIOD_US if unknown.size else 0
+        settled.append(former >= 0 or t - since_us >= 500_000)
+    assert (found.unsettled == 0).tolist() == settled
+    assert 100 < sum(settled) < len(settled) - 100
+    for name in ("t_us", "pixel", "on", "part", "quarter", "log", "interval_us"):
+        np.testing.assert_array_equal(getattr(found.settled, name), getattr(found, name)[settled])

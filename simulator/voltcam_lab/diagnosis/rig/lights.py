@@ -2,41 +2,61 @@
 
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter
 
 from voltcam_simulator import Simulator
 
 from ...light.between_frames import CURVES
-from ...light.scene import Scene
+from ...light.known import KnownLight
+from ...light.scene import TRUSTED, Scene
 from .settings import RigSettings
 
 LightImage = NDArray[np.float32]
+_FREEDOM = 3  # degrees of it, of Student's law: of the light's errors 1 % are 4 to 15 times the median
 
 
-def light_behind(scene: Scene, version: int, settings: RigSettings) -> Iterator[tuple[LightImage, int]]:
-    """(H, W) float32 [DN] and its time [us], for each of the scene's images. version: a number."""
+def light_behind(
+    scene: Scene, version: int, settings: RigSettings, noisier: bool = False
+) -> Iterator[tuple[LightImage, int]]:
+    """(H, W) float32 [DN] and its time [us], for each of the scene's images. version: a number. noisier: its
+    errors are `RigSettings.noisier` times as large.
+
+    What frames leave open is an error that is nothing at a frame, but for what rounding hides there, and
+    largest half way to the next. Few errors are large: they are where an edge goes by unseen.
+    """
     rng = np.random.default_rng(version)
-    more, error = (settings.lights if scene.how in CURVES else settings.moved_lights)[version]
+    largest = maximum_filter(scene.surprise.reshape(scene.taken.shape), (1, 3, 3))
+    times = settings.noisier if noisier else 1.0
+    error = times * (settings.curve_error if scene.how in CURVES else settings.moved_error)
     shape, last = scene.taken.shape[1:], len(scene.taken_us) - 1
     frame, gap = -1, np.zeros(shape, np.float32)
-    hidden = _hidden_by_rounding(scene, version)
+    hidden = np.float16(times) * _hidden_by_rounding(scene, version)
     for image, t_us in zip(scene.images, scene.t_us.tolist(), strict=True):
         while frame < 0 or (frame < last - 1 and t_us > scene.taken_us[frame + 1]):
-            gap, frame = rng.standard_normal(shape, np.float32), frame + 1
+            frame += 1
+            gap = error * np.maximum(largest[frame], largest[frame + 1]) * rng.standard_t(_FREEDOM, shape)
         begin_us, end_us = scene.taken_us[frame], scene.taken_us[frame + 1]
         phase = np.float32(np.clip((t_us - begin_us) / (end_us - begin_us), 0, 1))
-        straight = (1 - phase) * scene.taken[frame] + phase * scene.taken[frame + 1]
-        uncertainty = (
-            4
-            * phase
-            * (1 - phase)
-            * np.maximum(scene.surprise[frame], scene.surprise[frame + 1]).reshape(shape)
-        )
-        light = image + more * (image - straight) + error * gap * uncertainty
+        light = image + gap * (4 * phase * (1 - phase))
         light += (1 - phase) * hidden[frame] + phase * hidden[frame + 1]
         yield np.maximum(light, 0).astype(np.float32), t_us
+
+
+def known_light(scene: Scene) -> KnownLight:
+    """Where it is known well enough to say when an event is due.
+
+    Motion is a guess. So light along it is not known where it leaves the straight line from frame to frame,
+    nor in the gaps before and behind a surprise: an edge may go by unseen there.
+    """
+    known = scene.known()
+    if scene.how in CURVES:
+        return known
+    known = known.all_around()
+    return replace(known, gaps=known.gaps & (scene.bow < TRUSTED))
 
 
 def run_up(

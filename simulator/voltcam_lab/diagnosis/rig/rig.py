@@ -19,7 +19,7 @@ Events = NDArray[np.void]
 TimedImage = tuple[NDArray[np.float32], int]
 Lights = tuple[NDArray[np.float32], list[int]]
 """(images, H, W) DN and their times [us]."""
-Job = tuple[Parameters, tuple[int, ...], bool]
+Job = tuple[Parameters, tuple[int, ...], bool, bool]
 """What `Rig.run` is asked for."""
 Item = TypeVar("Item")
 Made = TypeVar("Made")
@@ -45,13 +45,21 @@ class Rig:
     @property
     def versions(self) -> int:
         """How many versions of the light there are."""
-        return len(self.settings.lights)
+        return self.settings.versions
 
     @cached_property
     def lights(self) -> Lights:
         """All versions of the light, side by side, each with a gutter on its right."""
+        return self._lights()
+
+    @cached_property
+    def noisier_lights(self) -> Lights:
+        """The same, all errors as many times as large as `RigSettings.noisier`."""
+        return self._lights(noisier=True)
+
+    def _lights(self, noisier: bool = False) -> Lights:
         scene, settings = self.setting.scene, self.settings
-        versions = [light_behind(scene, version, settings) for version in range(self.versions)]
+        versions = [light_behind(scene, version, settings, noisier) for version in range(self.versions)]
         moving = list(_moving(_side_by_side(images) for images in zip(*versions, strict=True)))
         return np.stack([image for image, _ in moving]), [t_us for _, t_us in moving]
 
@@ -60,9 +68,11 @@ class Rig:
         """`run`, which remembers."""
         return lru_cache(REMEMBERED)(self.run)
 
-    def run(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> Values:
+    def run(
+        self, parameters: Parameters, seeds: Sequence[int], apart: bool = False, noisier: bool = False
+    ) -> Values:
         """(seeds, PARTS, n) statistics of a batch of runs, comparable; see `events`."""
-        return np.stack([self.observe(events) for events in self.events(parameters, seeds, apart)])
+        return np.stack([self.observe(events) for events in self.events(parameters, seeds, apart, noisier)])
 
     def observe(self, events: Events) -> Values:
         """(PARTS, n) statistics of events, `in_trusted_light`."""
@@ -72,14 +82,17 @@ class Rig:
         """Those events that come where the light is known well enough (`Scene.trusted`)."""
         return self.setting.known.where(events)
 
-    def events(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> list[Events]:
+    def events(
+        self, parameters: Parameters, seeds: Sequence[int], apart: bool = False, noisier: bool = False
+    ) -> list[Events]:
         """The events of each run of a batch. seeds: in sequence, of one batch.
 
-        apart: each on a sensor of its own, as those whose columns share an effect are anyway.
+        apart: each on a sensor of its own, as those whose columns share an effect are anyway. noisier: they
+        see `noisier_lights`.
         """
         if apart or acts_across_columns(parameters):
-            return [self._simulated(parameters, seed, 1) for seed in seeds]
-        width, events = self.setting.scene.width, self._simulated(parameters, seeds[0], len(seeds))
+            return [self._simulated(parameters, seed, 1, noisier) for seed in seeds]
+        width, events = self.setting.scene.width, self._simulated(parameters, seeds[0], len(seeds), noisier)
         x, found = np.ascontiguousarray(events["x"]), []
         for left in range(0, len(seeds) * (width + GUTTER), width + GUTTER):
             own = events.compress((x >= left) & (x < left + width))  # 8 times as fast as by an index
@@ -87,22 +100,25 @@ class Rig:
             found.append(own)
         return found
 
-    def _simulated(self, parameters: Parameters, seed: int, copies: int) -> Events:
+    def _simulated(self, parameters: Parameters, seed: int, copies: int, noisier: bool) -> Events:
         scene = self.setting.scene
         left = seed % self.versions * (scene.width + GUTTER)
         columns = slice(left, left + copies * (scene.width + GUTTER) - GUTTER)
         simulator = Simulator(columns.stop - left, scene.height, parameters, seed=seed)
-        images, times_us = self.lights[0][:, :, columns], self.lights[1]
+        lights = self.noisier_lights if noisier else self.lights
+        images, times_us = lights[0][:, :, columns], lights[1]
         run_up(simulator, images, times_us, self.settings.lead_in_us, lead_in_us(parameters))
         found = [simulator.advance(image, t_us) for image, t_us in zip(images, times_us, strict=True)]
         found.append(simulator.advance(images[-1], times_us[-1] + self.settings.lead_out_us))
         as_bytes = np.concatenate([events.view(np.uint8) for events in found])  # numpy joins records slowly
         return as_bytes.view(EVENT)
 
-    def runs(self, many: Sequence[Parameters], seeds: Sequence[int], apart: bool = False) -> list[Values]:
+    def runs(
+        self, many: Sequence[Parameters], seeds: Sequence[int], apart: bool = False, noisier: bool = False
+    ) -> list[Values]:
         """Of each parameter set, (seeds, PARTS, n): all runs."""
         batches = [tuple(batch) for _, batch in groupby(seeds, lambda seed: seed // self.versions)]
-        jobs = [(parameters, batch, apart) for parameters in many for batch in batches]
+        jobs = [(parameters, batch, apart, noisier) for parameters in many for batch in batches]
         found = self.each(self.remembered, jobs)
         n = len(batches)
         return [np.concatenate(found[n * k : n * (k + 1)]) for k in range(len(many))]
@@ -116,9 +132,11 @@ class Rig:
         """The function, which asks for runs, of each item; a rig with workers does several at a time."""
         return [function(item) for item in items]
 
-    def means(self, many: Sequence[Parameters], seeds: Sequence[int], apart: bool = False) -> list[Values]:
+    def means(
+        self, many: Sequence[Parameters], seeds: Sequence[int], apart: bool = False, noisier: bool = False
+    ) -> list[Values]:
         """Of each parameter set, the mean over the seeds."""
-        return [runs.mean(axis=0) for runs in self.runs(many, seeds, apart)]
+        return [runs.mean(axis=0) for runs in self.runs(many, seeds, apart, noisier)]
 
     def changes(self, here: Parameters, there: Sequence[Parameters], seeds: Sequence[int]) -> list[Values]:
         """What each of the parameter sets there changes in the mean, with common noise."""

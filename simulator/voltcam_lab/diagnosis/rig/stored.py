@@ -42,23 +42,27 @@ class StoredRig(Rig):
         self._digest = _digest(setting, settings)
         folder.mkdir(parents=True, exist_ok=True)
 
-    def events(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> list[Events]:
+    def events(
+        self, parameters: Parameters, seeds: Sequence[int], apart: bool = False, noisier: bool = False
+    ) -> list[Events]:
         """The events of each run of a batch."""
-        return super().events(parameters, self._own(seeds), apart)
+        return super().events(parameters, self._own(seeds), apart, noisier)
 
-    def run(self, parameters: Parameters, seeds: Sequence[int], apart: bool = False) -> Values:
+    def run(
+        self, parameters: Parameters, seeds: Sequence[int], apart: bool = False, noisier: bool = False
+    ) -> Values:
         """(seeds, PARTS, n) statistics of a batch of runs, comparable."""
         if self._ended.is_set():
             raise CancelledError
-        key = f"{self._digest} {self._seed} {list(seeds)} {apart} {parameters.model_dump_json()}"
+        key = f"{self._digest} {self._seed} {list(seeds)} {apart} {noisier} {parameters.model_dump_json()}"
         path = self._folder / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.npy"
         values = _read(path)
         if values is None:
             workers = self._workers
             values = (
-                super().run(parameters, seeds, apart)
+                super().run(parameters, seeds, apart, noisier)
                 if workers is None
-                else workers.run(parameters, self._own(seeds), apart)
+                else workers.run(parameters, self._own(seeds), apart, noisier)
             )
             partial = path.with_suffix(f".{threading.get_ident()}.partial")
             with partial.open("wb") as file:
@@ -66,10 +70,12 @@ class StoredRig(Rig):
             partial.replace(path)
         return values
 
-    def runs(self, many: Sequence[Parameters], seeds: Sequence[int], apart: bool = False) -> list[Values]:
+    def runs(
+        self, many: Sequence[Parameters], seeds: Sequence[int], apart: bool = False, noisier: bool = False
+    ) -> list[Values]:
         """Of each parameter set, (seeds, PARTS, n): all runs."""
         self.batch(len(many) * len(seeds))
-        return super().runs(many, seeds, apart)
+        return super().runs(many, seeds, apart, noisier)
 
     def remembered(self, job: Job) -> Values:
         """What `run` gives, which counts as done also where it was asked for before."""

@@ -19,7 +19,7 @@ from ...light.known import KnownLight
 from ...light.scene import Scene
 from ...recordings import Footage
 from ..catalogue.entries import lead_in_us
-from .lights import light_behind, run_up
+from .lights import known_light, light_behind, run_up
 from .settings import RigSettings
 
 SEEDS = 1 << 19  # of these runs, away from those of the search
@@ -74,7 +74,7 @@ class WholeSensor:
 
     @cached_property
     def _known(self) -> KnownLight:
-        return self.scene.known()
+        return known_light(self.scene)
 
     @cached_property
     def look(self) -> Look:
@@ -89,7 +89,7 @@ class WholeSensor:
     ) -> Remains:  # fmt: skip
         """By what the recording can still be told from a camera with these parameters, of events later than
         a time. by_light: what the light leaves open, if it is known from nearly such a camera."""
-        runs = [self.events(parameters, version) for version in range(len(self.settings.lights))]
+        runs = [self.events(parameters, version) for version in range(self.settings.versions)]
 
         def chosen(events: Events) -> NDArray[np.bool_]:
             late: NDArray[np.bool_] = events["t"] > later_than_us

@@ -42,10 +42,10 @@ class Workers:
             processes, get_context("spawn"), initializer=_begin, initargs=(path, head, places)
         )
 
-    def run(self, parameters: Parameters, seeds: Sequence[int], apart: bool) -> Values:
+    def run(self, parameters: Parameters, seeds: Sequence[int], apart: bool, noisier: bool) -> Values:
         """As `Rig.run`; from any thread."""
         try:
-            return self._pool.submit(_run, parameters, tuple(seeds), apart).result()
+            return self._pool.submit(_run, parameters, tuple(seeds), apart, noisier).result()
         except BrokenProcessPool as error:
             raise ChildProcessError(
                 "a process of the diagnosis was killed: close other programs or look at less (--seconds)"
@@ -84,5 +84,5 @@ def _begin(path: Path, head: bytes, places: Sequence[FileSpan]) -> None:
     _rig = Rig(*_read(path, head, places))  # type: ignore[misc]
 
 
-def _run(parameters: Parameters, seeds: Sequence[int], apart: bool) -> Values:
-    return _rig.run(parameters, seeds, apart)
+def _run(parameters: Parameters, seeds: Sequence[int], apart: bool, noisier: bool) -> Values:
+    return _rig.run(parameters, seeds, apart, noisier)

@@ -6,7 +6,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import gumbel_r
 
 from voltcam_simulator import Parameters
 
@@ -141,9 +140,7 @@ def answer_of(share: float, settings: SearchSettings = DEFAULTS) -> Fixed:
 
 def detectable_sizes(screen: Screen) -> tuple[DetectableSize, ...]:
     """The smallest size of each effect whose gain beyond what the hypothesis takes up is beyond chance's."""
-    test = screen.settings.score_test
-    chance = gumbel_r.ppf(1 - test.alpha, *gumbel_r.fit(np.maximum(screen.null, 0.0)))
-    beyond = max(float(chance), test.least_gain)
+    beyond = max(screen.gain_of_chance, screen.settings.score_test.least_gain)
     best: dict[tuple[str, str], DetectableSize] = {}
     for one in screen.signatures:
         candidate, amount = one.candidate, _least_amount(screen, one, beyond)

@@ -19,11 +19,10 @@ class ScoreTest:
     tried_share: float = 0.5
     """Share of `least_gain` that a score must have for the first effects to be tried. Convention: a straight
     line may tell half of what a fit does."""
-    light_gain: float = 6.0
+    light_gain: float = 12.0
     """Mean training loss by which twins gain less than a recording does: frames leave the recording's light
-    open. It is spread as the square of a normal error. Development: recordings without an effect."""
-    light_quantiles: int = 28
-    """Quantiles of that distribution which are added to each twin's gain. Convention."""
+    open. It is spread as the square of a normal error. Measured: 12 on 18 of the generator's development
+    recordings without an effect, 5 at 26 to 38 frames/s and 23 at 200."""
 
 
 @dataclass(frozen=True)

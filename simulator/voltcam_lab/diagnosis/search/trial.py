@@ -11,7 +11,7 @@ from ..catalogue.candidate import Candidate
 from .fit import fitted_by_simulation
 from .hypothesis import Hypothesis
 from .robust import mean_huber, robust_fit
-from .screen import Screen, Signature
+from .screen import LIGHT, Screen, Signature
 from .spread import HELD_OUT, TRAINING, Slopes, flat, slopes_of
 from .state import Search
 
@@ -58,7 +58,7 @@ class TrialBench:
         z = flat((self.search.data - self.screen.spread.mean) / sd)
         amounts = self.screen.with_effect(z, one).x
         size = one.candidate.scaled(one.size, float(np.clip(amounts[-1], *trials.amount_limits)))
-        move = np.clip(amounts[:-2], -trials.base_limit, trials.base_limit)
+        move = np.clip(amounts[: -LIGHT - 1], -trials.base_limit, trials.base_limit)
         starts = [hypothesis.moved(move).with_effect(one.candidate, size)]
         if mean_huber(z, huber_z) > trials.large_gap:
             starts += [
@@ -76,7 +76,7 @@ class TrialBench:
         """The hypothesis with so much of a signature, its own parameters where they leave the least loss
         then."""
         longest = self.search.settings.fit.longest_step
-        move = np.clip(self.screen.own(z - amount * flat(one.column)).x[:-1], -longest, longest)
+        move = np.clip(self.screen.own(z - amount * flat(one.column)).x[:-LIGHT], -longest, longest)
         moved = self.screen.hypothesis.moved(move)
         return moved.with_effect(one.candidate, one.candidate.scaled(one.size, amount))
 
@@ -104,7 +104,7 @@ class TrialBench:
         if np.mean(wide > sd) > trials.scattered_share:
             slopes = None if rounds else self._slopes(hypothesis)
             hypothesis, mean = fitted_by_simulation(search, hypothesis, wide, rounds, slopes)
-        after, wider = self._without_delay(search.data - mean, wide), np.log(wide / sd)
+        after, wider = self._without_light(search.data - mean, wide), np.log(wide / sd)
         gained, confirmed = (
             mean_huber(flat(self.rest, parts), huber_z)
             - mean_huber(flat(after / wide, parts), huber_z)
@@ -117,14 +117,15 @@ class TrialBench:
         )
         return Trial(candidate, hypothesis, mean, score, training, held_out, gained, confirmed)
 
-    def _without_delay(self, deviation: Values, sd: Values) -> Values:
-        """Deviations (PARTS, n) less what the light's delay takes up; sd: the units of the fit."""
-        settings, delay = self.search.settings, self.screen.base[..., -1] * self.screen.spread.inflated_sd
+    def _without_light(self, deviation: Values, sd: Values) -> Values:
+        """Deviations (PARTS, n) less what the light's errors take up; sd: the units of the fit."""
+        settings = self.search.settings
+        light = self.screen.base[..., -LIGHT:] * self.screen.spread.inflated_sd[..., None]
         found = robust_fit(
-            flat(deviation / sd), flat(delay / sd)[:, None], np.ones(1), settings.huber_z,
+            flat(deviation / sd), flat(light / sd[..., None]), np.ones(LIGHT), settings.huber_z,
             settings.fit.reweightings,
         )  # fmt: skip
-        return np.asarray(deviation - delay * found.x[0])
+        return np.asarray(deviation - light @ found.x)
 
     def again(self, trial: Trial) -> Trial:
         """The trial, or the effect fitted from the size nearest to it and the base without it, if that is

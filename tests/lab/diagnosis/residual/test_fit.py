@@ -33,7 +33,7 @@ def hidden(name: str | None) -> tuple[WholeSensor, Parameters]:
     made = record(scene, base, effects, seconds=4.0, seed=5)
     recording = Recording(made.events, 32, 24, made.frames, made.frame_t_us)
     footage = with_frames(recording)
-    rig = replace(DEFAULT_RIG, lights=DEFAULT_RIG.lights[:2])
+    rig = replace(DEFAULT_RIG, versions=2)
     return whole_sensor(footage, DEFAULT_RECORDING, rig, 0), true_camera(base)
 
 

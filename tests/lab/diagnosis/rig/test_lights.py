@@ -1,11 +1,13 @@
 """Light that frames may have been taken of."""
 
+from dataclasses import replace
 from unittest.mock import create_autospec
 
 import numpy as np
 import pytest
+from scipy.ndimage import maximum_filter
 
-from voltcam_lab.diagnosis.rig.lights import light_behind, run_up
+from voltcam_lab.diagnosis.rig.lights import known_light, light_behind, run_up
 from voltcam_lab.diagnosis.rig.settings import DEFAULT_RIG
 from voltcam_lab.light.scene import How, scene_of
 from voltcam_simulator import Parameters, Simulator
@@ -20,7 +22,7 @@ def frames() -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("how", ["spline", "cubic", "auto"])
-@pytest.mark.parametrize("version", range(len(DEFAULT_RIG.lights)))
+@pytest.mark.parametrize("version", range(DEFAULT_RIG.versions))
 def test_at_each_frame_it_is_the_frame(version: int, how: How) -> None:
     taken, t_us = frames()
     shown = {t: image for image, t in light_behind(scene_of(taken, t_us, how), version, DEFAULT_RIG)}
@@ -28,13 +30,46 @@ def test_at_each_frame_it_is_the_frame(version: int, how: How) -> None:
         assert shown[t] == pytest.approx(image, abs=1e-3)
 
 
-def test_versions_differ_where_light_moves_and_only_there() -> None:
+@pytest.mark.parametrize("how", ["spline", "auto"])
+def test_versions_differ_where_light_moves_or_next_to_it(how: How) -> None:
     taken, t_us = frames()
-    scene = scene_of(taken, t_us, "spline")
+    scene = replace(scene_of(taken, t_us, "spline"), how=how)
     first, second = (np.stack([image for image, _ in light_behind(scene, k, DEFAULT_RIG)]) for k in (0, 1))
-    assert first[:, :, :4] == pytest.approx(np.full_like(first[:, :, :4], 42), abs=1e-3)
-    assert second[:, :, :4] == pytest.approx(np.full_like(first[:, :, :4], 42), abs=1e-3)
+    assert first[:, :, :3] == pytest.approx(np.full_like(first[:, :, :3], 42), abs=1e-3)
+    assert second[:, :, :3] == pytest.approx(np.full_like(first[:, :, :3], 42), abs=1e-3)
     assert np.abs(first - second)[:, :, 4:].max() > 1
+
+
+def test_errors_have_students_law_in_units_of_what_left_out_frames_ask_for() -> None:
+    """With 3 degrees of freedom its median is 0.765 of the scale, and 1 % is above 5.84."""
+    rng, t_us = np.random.default_rng(3), np.arange(60) * 10_000
+    scene = scene_of(rng.uniform(100, 110, (60, 40, 40)).astype(np.float32), t_us, "cubic")
+    largest = maximum_filter(scene.surprise.reshape(scene.taken.shape), (1, 3, 3))
+    errors = []
+    for (shown, t), image in zip(light_behind(scene, 0, DEFAULT_RIG), scene.images, strict=True):
+        gap, phase = t // 10_000, t % 10_000 / 10_000
+        if phase:
+            unit = 4 * phase * (1 - phase) * np.maximum(largest[gap], largest[gap + 1])
+            errors.append(np.abs(shown - image) / unit)
+    assert np.median(errors) == pytest.approx(0.765 * DEFAULT_RIG.curve_error, rel=0.02)
+    assert np.quantile(errors, 0.99) == pytest.approx(5.84 * DEFAULT_RIG.curve_error, rel=0.05)
+
+
+def test_guessed_light_is_known_where_it_goes_straight_and_nothing_surprises_before_or_after() -> None:
+    """Along a curve it is known wherever nothing surprises."""
+    taken, t_us = frames()
+    taken[9, 2, 2] += 20  # a surprise, in what stands still
+    curve = scene_of(taken, t_us, "cubic")
+    assert (known_light(curve).gaps == curve.trusted()).all()
+    images = curve.images.copy()
+    images[np.searchsorted(curve.t_us, 30_000) + 1, 6, 1] += 10
+    guessed = replace(curve, images=images, how="auto")
+    known, trusted = (gaps.reshape(-1, 8, 8) for gaps in (known_light(guessed).gaps, guessed.trusted()))
+    assert not known[3, 6, 1]  # it leaves the straight line by 10 of 62 DN
+    assert known[2, 6, 1]
+    assert known[4, 6, 1]
+    changes = np.flatnonzero(~trusted[:, 2, 2])
+    assert np.flatnonzero(~known[:, 2, 2]).tolist() == [changes[0] - 1, *changes, changes[-1] + 1]
 
 
 def test_what_rounding_hides_is_in_each_version_and_in_none_on_average() -> None:
@@ -83,3 +118,15 @@ def test_pixels_of_a_moving_scene_do_not_begin_as_those_of_a_still_one() -> None
         pixel = events["y"].astype(int) * 12 + events["x"]
         first_us.append(np.median(events["t"][np.unique(pixel, return_index=True)[1]]))
     assert first_us[1] > first_us[0] + 50_000  # it has to come back from where it fell to
+
+
+def test_noisier_light_has_all_errors_larger_by_the_same() -> None:
+    taken, t_us = frames()
+    rounding = np.random.default_rng(1).uniform(-0.4, 0.4, (2, *taken.shape)).astype(np.float16)
+    scene = scene_of(taken, t_us, "cubic").with_rounding(rounding)
+    told, noisier = (
+        np.stack([image for image, _ in light_behind(scene, 1, DEFAULT_RIG, noisier)]) - scene.images
+        for noisier in (False, True)
+    )
+    assert noisier == pytest.approx(DEFAULT_RIG.noisier * told, abs=2e-3)
+    assert np.abs(told).max() > 0.5

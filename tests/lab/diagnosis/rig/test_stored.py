@@ -24,9 +24,9 @@ def test_runs_are_kept_and_a_broken_one_is_made_anew(
     parameters, made = Parameters.of("paper"), list[int]()
     simulate = Rig.events
 
-    def counted(rig: Rig, parameters: Parameters, seeds: list[int], apart: bool = False) -> object:
+    def counted(rig: Rig, parameters: Parameters, seeds: list[int], *how: bool) -> object:
         made.extend(seeds)
-        return simulate(rig, parameters, seeds, apart)
+        return simulate(rig, parameters, seeds, *how)
 
     monkeypatch.setattr(Rig, "events", counted)
     first = session.rig.run(parameters, SEEDS)
@@ -39,13 +39,15 @@ def test_runs_are_kept_and_a_broken_one_is_made_anew(
     np.testing.assert_array_equal(session.rig.run(parameters, SEEDS), first)
     assert len(made) == 4
     assert (StoredRig(session.rig.setting, tmp_path / "runs", seed=1).run(parameters, SEEDS) != first).any()
-    other = RigSettings(lights=((0.5, 0.4),) * 4)
+    other = RigSettings(curve_error=0.4)
     bent = StoredRig(session.rig.setting, tmp_path / "runs", settings=other).run(parameters, SEEDS)
     assert (bent != first).any()
     session.rig.run(parameters.changed({"comparator": {"theta_on": 1.1}}), SEEDS)
     assert len(made) == 10
     session.rig.run(parameters, SEEDS, apart=True)
     assert len(made) == 12
+    assert (session.rig.run(parameters, SEEDS, noisier=True) != first).any()
+    assert len(made) == 14
     (tmp_path / "runs" / "diary.txt").touch()
     session.rig.forget()
     assert [path.name for path in (tmp_path / "runs").iterdir()] == ["diary.txt"]

@@ -9,7 +9,7 @@ from scipy.stats import beta
 from voltcam_lab.diagnosis.catalogue.candidate import Candidate
 from voltcam_lab.diagnosis.search.evidence import stand_ins, weighed
 from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
-from voltcam_lab.diagnosis.search.screen import Screen, Signature
+from voltcam_lab.diagnosis.search.screen import LIGHT, Screen, Signature
 from voltcam_lab.diagnosis.search.settings import DEFAULTS
 from voltcam_lab.diagnosis.search.spread import TwinSpread
 from voltcam_lab.statistics import PARTS
@@ -105,7 +105,7 @@ def made_screen(*columns: tuple[Candidate, np.ndarray]) -> Screen:
     signatures = tuple(
         Signature(candidate, candidate.sizes[0], np.tile(column, (PARTS, 1))) for candidate, column in columns
     )
-    base = np.zeros((PARTS, N, len(hypothesis.shift) + 1))
+    base = np.zeros((PARTS, N, len(hypothesis.shift) + LIGHT))
     return Screen(hypothesis, spread, base, signatures, np.empty(0), DEFAULTS)
 
 
