@@ -21,8 +21,8 @@ class ScoreTest:
     line may tell half of what a fit does."""
     light_gain: float = 12.0
     """Mean training loss by which twins gain less than a recording does: frames leave the recording's light
-    open. It is spread as the square of a normal error. Measured: 12 on 18 of the generator's development
-    recordings without an effect, 5 at 26 to 38 frames/s and 23 at 200."""
+    open. It is spread as the square of a normal error. Measured: 12.6 on 18 of the generator's development
+    recordings without an effect, 6 at 26 to 38 frames/s and 23 at 200."""
 
 
 @dataclass(frozen=True)
