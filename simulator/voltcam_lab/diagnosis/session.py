@@ -126,7 +126,7 @@ def session_of(
     scene = best_scene(recording.frames, recording.frame_t_us, columns, settings.noisy_dn2)
     part = in_columns(recording, columns)
     setting = setting_of(
-        scene, recording.frame_t_us, None, recording.exposure_us, parameters, known_light(scene)
+        scene, recording.frame_t_us, None, recording.exposure_us, parameters, known_light(scene, part.events)
     )
     rig = StoredRig(setting, folder, seed, rig_settings, processes=processes)
     known = len(rig.in_trusted_light(part.events))

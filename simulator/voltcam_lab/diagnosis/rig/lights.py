@@ -11,11 +11,13 @@ from scipy.ndimage import maximum_filter
 from voltcam_simulator import Simulator
 
 from ...light.between_frames import CURVES
-from ...light.known import KnownLight
+from ...light.known import Events, KnownLight
 from ...light.scene import TRUSTED, Scene
 from .settings import RigSettings
 
 LightImage = NDArray[np.float32]
+_TOLERANCES = (TRUSTED, 0.1, 0.2)  # of the light, the strictest first
+_ENOUGH_EACH = 400  # ON, and OFF events; or half of them
 _FREEDOM = 3  # degrees of it, of Student's law: of the light's errors 1 % are 4 to 15 times the median
 
 
@@ -46,17 +48,23 @@ def light_behind(
         yield np.maximum(light, 0).astype(np.float32), t_us
 
 
-def known_light(scene: Scene) -> KnownLight:
-    """Where it is known well enough to say when an event is due.
+def known_light(scene: Scene, events: Events) -> KnownLight:
+    """Where it is known well enough to say when an event is due, as well as leaves enough events of both
+    polarities: leak alone makes only ON, which tells nothing of thresholds.
 
     Motion is a guess. So light along it is not known where it leaves the straight line from frame to frame,
     nor in the gaps before and behind a surprise: an edge may go by unseen there.
     """
-    known = scene.known()
     if scene.how in CURVES:
-        return known
-    known = known.all_around()
-    return replace(known, gaps=known.gaps & (scene.bow < TRUSTED))
+        return scene.known()
+    enough = [min(_ENOUGH_EACH, np.count_nonzero(events["p"] == p) / 2) for p in (False, True)]
+    for tolerance in _TOLERANCES:
+        known = scene.known(tolerance).all_around()
+        known = replace(known, gaps=known.gaps & (scene.bow < tolerance))
+        on = events["p"][known.within(events)]
+        if np.count_nonzero(~on) >= enough[0] and np.count_nonzero(on) >= enough[1]:
+            break
+    return known
 
 
 def run_up(

@@ -74,7 +74,7 @@ class WholeSensor:
 
     @cached_property
     def _known(self) -> KnownLight:
-        return known_light(self.scene)
+        return known_light(self.scene, self.footage.events)
 
     @cached_property
     def look(self) -> Look:

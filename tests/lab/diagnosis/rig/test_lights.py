@@ -10,7 +10,7 @@ from scipy.ndimage import maximum_filter
 from voltcam_lab.diagnosis.rig.lights import known_light, light_behind, run_up
 from voltcam_lab.diagnosis.rig.settings import DEFAULT_RIG
 from voltcam_lab.light.scene import How, scene_of
-from voltcam_simulator import Parameters, Simulator
+from voltcam_simulator import EVENT, Parameters, Simulator
 
 
 def frames() -> tuple[np.ndarray, np.ndarray]:
@@ -59,17 +59,41 @@ def test_guessed_light_is_known_where_it_goes_straight_and_nothing_surprises_bef
     """Along a curve it is known wherever nothing surprises."""
     taken, t_us = frames()
     taken[9, 2, 2] += 20  # a surprise, in what stands still
-    curve = scene_of(taken, t_us, "cubic")
-    assert (known_light(curve).gaps == curve.trusted()).all()
+    curve, none = scene_of(taken, t_us, "cubic"), np.empty(0, EVENT)
+    assert (known_light(curve, none).gaps == curve.trusted()).all()
     images = curve.images.copy()
     images[np.searchsorted(curve.t_us, 30_000) + 1, 6, 1] += 10
     guessed = replace(curve, images=images, how="auto")
-    known, trusted = (gaps.reshape(-1, 8, 8) for gaps in (known_light(guessed).gaps, guessed.trusted()))
+    known, trusted = (gaps.reshape(-1, 8, 8) for gaps in (known_light(guessed, none).gaps, guessed.trusted()))
     assert not known[3, 6, 1]  # it leaves the straight line by 10 of 62 DN
     assert known[2, 6, 1]
     assert known[4, 6, 1]
     changes = np.flatnonzero(~trusted[:, 2, 2])
     assert np.flatnonzero(~known[:, 2, 2]).tolist() == [changes[0] - 1, *changes, changes[-1] + 1]
+
+
+@pytest.mark.parametrize(("on", "off", "tolerance"), [
+    (400, 400, 0.05), (5000, 300, 0.2), (300, 5000, 0.2), (40, 5000, 0.2), (40, 20, 0.2),
+])  # fmt: skip
+def test_guessed_light_is_trusted_farther_where_events_of_a_polarity_are_few(
+    on: int, off: int, tolerance: float
+) -> None:
+    """Four hundred are enough, or half of all. As many come on the left, where nothing surprises, and three
+    times as many on the right, where frames surprise by more than 10 %."""
+    t_us = np.arange(20) * 10_000
+    taken = np.full((20, 8, 8), 100.0, np.float32)
+    taken[1::2, :, 4:] = 114
+    curve = scene_of(taken, t_us, "cubic")
+    scene = replace(curve, images=taken, t_us=t_us, how="auto")
+    events = np.zeros(4 * (on + off), EVENT)
+    events["t"], events["x"] = 55_000, 6
+    events["p"][: 4 * on] = True
+    events["x"][: 4 * on : 4] = events["x"][4 * on :: 4] = 1
+    assert (known_light(scene, events).gaps == scene.known(tolerance).all_around().gaps).all()
+    left = events[events["x"] == 1]  # all of these in light that is known anyway
+    assert (known_light(scene, left).gaps == scene.known(0.05).all_around().gaps).all()
+    assert not scene.trusted(0.1).all()
+    assert scene.trusted(0.2).all()
 
 
 def test_what_rounding_hides_is_in_each_version_and_in_none_on_average() -> None:
