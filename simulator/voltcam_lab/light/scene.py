@@ -80,7 +80,7 @@ class Scene:
         """
         bright = self.taken.reshape(len(self.taken), -1).astype(np.float32) + USUAL_DARK_DN
         share = (self.surprise / bright).reshape(self.taken.shape)
-        unsure: NDArray[np.float32] = maximum_filter(share, size=(1, 3, 3))
+        unsure = np.asarray(maximum_filter(share, size=(1, 3, 3)), np.float32)
         if self.taken.max() <= WHITE_DN + _ROUNDING:  # else it is not where these frames end
             unsure[self.taken >= WHITE_DN - _ROUNDING] = np.inf
         return unsure

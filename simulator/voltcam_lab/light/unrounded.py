@@ -55,13 +55,12 @@ def rounding_errors(light: Light) -> NDArray[np.float16]:
     steps = np.abs(np.diff(light, axis=0)) > SHIFT
     moves[1:] |= steps
     moves[:-1] |= steps
-    errors = np.empty((2, *light.shape), np.float16)
-    for error, shift in zip(errors, (-SHIFT, SHIFT), strict=True):
-        rng = np.random.default_rng(int(shift > 0))
-        at_random = light + rng.random(light.shape, np.float32) - np.float32(0.5)
+    errors = []
+    for seed, shift in enumerate((-SHIFT, SHIFT)):
+        at_random = light + np.random.default_rng(seed).random(light.shape, np.float32) - np.float32(0.5)
         again = np.where(moves, at_random, np.floor(light + np.float32(shift + 0.5)) - np.float32(shift))
-        error[...] = light - np.maximum(unrounded(again), 0)
-    return errors
+        errors.append(light - np.maximum(unrounded(again), 0))
+    return np.stack(errors).astype(np.float16)
 
 
 def _without_small_cosines(light: Light) -> Light:

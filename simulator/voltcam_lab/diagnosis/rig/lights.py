@@ -58,13 +58,17 @@ def known_light(scene: Scene, events: Events) -> KnownLight:
     if scene.how in CURVES:
         return scene.known()
     enough = [min(_ENOUGH_EACH, np.count_nonzero(events["p"] == p) / 2) for p in (False, True)]
-    for tolerance in _TOLERANCES:
-        known = scene.known(tolerance).all_around()
-        known = replace(known, gaps=known.gaps & (scene.bow < tolerance))
+    for tolerance in _TOLERANCES[:-1]:
+        known = _known_to(scene, tolerance)
         on = events["p"][known.within(events)]
         if np.count_nonzero(~on) >= enough[0] and np.count_nonzero(on) >= enough[1]:
-            break
-    return known
+            return known
+    return _known_to(scene, _TOLERANCES[-1])
+
+
+def _known_to(scene: Scene, tolerance: float) -> KnownLight:
+    known = scene.known(tolerance).all_around()
+    return replace(known, gaps=known.gaps & (scene.bow < tolerance))
 
 
 def run_up(

@@ -6,6 +6,7 @@ Base parameters and the light's errors are projected out.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,7 +91,8 @@ class Screen:
     def gain_of_chance(self) -> float:
         """The gain whose p-value is the chance of a name where nothing is missing."""
         alpha = self.settings.score_test.alpha
-        return float(brentq(lambda gain: self.p_value(gain) - alpha, 0.0, _MOST_GAIN))
+        gain: Any = brentq(lambda gain: self.p_value(gain) - alpha, 0.0, _MOST_GAIN)
+        return float(gain)
 
 
 def screen_of(
