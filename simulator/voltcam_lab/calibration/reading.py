@@ -5,14 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..light.scene import TRUSTED, Scene
+from ..light.scene import ENOUGH_EACH, TOLERANCES, TRUSTED, Scene
 from ..windows import Mask, Windows
 from .intervals import Intervals, intervals
 from .rest import NO_WAITS, Rest, Waits, rest_of, waits
 
-TOLERANCES = (TRUSTED, 0.1, 0.2, 0.4)  # of the light, the strictest first
 ENOUGH = 2_000  # intervals with an event: with as many, no more light is trusted than that
-ENOUGH_EACH = 400  # of these ON, and OFF: leak alone makes only ON, which tells nothing of thresholds
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,6 +21,8 @@ How = Upsampling | Literal["spline"]
 _ROUNDING = 0.5  # by which a grey level that is no whole number may be off [DN]
 CHORD = 0.005  # of the brightness: half of what rounding hides in the dark
 TRUSTED = 0.05  # of the brightness: a quarter of the contrast of a usual threshold
+TOLERANCES = (TRUSTED, 0.1, 0.2, 0.4)  # where light trusted so far leaves too few events; the strictest first
+ENOUGH_EACH = 400  # ON, and OFF events: leak alone makes only ON, which tells nothing of thresholds
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from voltcam_client.encodings import EVENT
-from voltcam_lab.calibration.reading import ENOUGH, TOLERANCES, Reading
+from voltcam_lab.calibration.reading import ENOUGH, Reading
 from voltcam_lab.calibration.rest import NO_WAITS
-from voltcam_lab.light.scene import scene_of
+from voltcam_lab.light.scene import TOLERANCES, scene_of
 from voltcam_lab.windows import no_windows
 
 SIDE, PERIOD_US, FRAMES = 12, 10_000, 101

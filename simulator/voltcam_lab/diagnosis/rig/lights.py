@@ -12,13 +12,12 @@ from voltcam_simulator import Simulator
 
 from ...light.between_frames import CURVES
 from ...light.known import Events, KnownLight
-from ...light.scene import TRUSTED, Scene
+from ...light.scene import ENOUGH_EACH, TOLERANCES, Scene
 from .settings import RigSettings
 
 LightImage = NDArray[np.float32]
-_TOLERANCES = (TRUSTED, 0.1, 0.2)  # of the light, the strictest first
-_ENOUGH_EACH = 400  # ON, and OFF events; or half of them
-_FREEDOM = 3  # degrees of it, of Student's law: of the light's errors 1 % are 4 to 15 times the median
+_TOLERANCES = TOLERANCES[:-1]  # 40 % is for calibration only
+_FREEDOM = 3  # degrees of freedom of Student's law: 1 % of the light's errors are 4 to 15 times the median
 
 
 def light_behind(
@@ -57,7 +56,7 @@ def known_light(scene: Scene, events: Events) -> KnownLight:
     """
     if scene.how in CURVES:
         return scene.known()
-    enough = [min(_ENOUGH_EACH, np.count_nonzero(events["p"] == p) / 2) for p in (False, True)]
+    enough = [min(ENOUGH_EACH, np.count_nonzero(events["p"] == p) / 2) for p in (False, True)]
     for tolerance in _TOLERANCES[:-1]:
         known = _known_to(scene, tolerance)
         on = events["p"][known.within(events)]

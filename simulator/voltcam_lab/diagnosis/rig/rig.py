@@ -79,7 +79,7 @@ class Rig:
         return comparable(observe(self.setting, events).values)
 
     def in_trusted_light(self, events: Events) -> Events:
-        """Those events that come where the light is known well enough (`Scene.trusted`)."""
+        """Those events that come where the light is known well enough (`known_light`)."""
         return self.setting.known.where(events)
 
     def events(
