@@ -25,12 +25,13 @@ from .estimates import Estimate
 from .lateness import as_late_as
 from .paper_method import calibrate_as_paper
 from .reading import Reading
-from .refine.refine import Refined, refine
+from .refine.refine import Refined, known_share, refine
 
 Method = Literal["exact", "paper"]
 SIMULATED = 25e6  # pixels times images of light: as much as the command has time for
 EXACT = ("frame_period_us", "offset_us")
 FEWEST_FRAMES = 10  # by which events are told to be late
+MOSTLY_KNOWN = 0.5  # of the events: by fewer, parameters would make up for light that is not known
 WORTH_IT = 0.9  # of the score, where parameters that behave more alike take the place of the likeliest
 MOST_SAMPLES = (
     24_000_000  # pixels times frames that are fitted: about 1.5 GB; of more, the middle of the picture
@@ -90,7 +91,8 @@ def camera_from(
 
     base: a camera whose other effects are taken over, of the recording's size. temperature_c: of the die
     while it was recorded. refining: the exact law's
-    parameters are moved until simulated events are most like the recorded ones, if they gain by it. Raises
+    parameters are moved until simulated events are most like the recorded ones, if they gain by it and light
+    is known for most of them. Raises
     CalibrationError, a line, where the recording is of no use.
     """
     recording = inspection.footage
@@ -125,7 +127,12 @@ def camera_from(
         notes += _notes_of(found)
         alone = base.parameters.changed(_own(found.parameters)) if base and refining else found.parameters
         parameters, said = _with_camera(inspection, reading, cut, alone, seed, report)
-        if refining:
+        if refining and (share := known_share(reading.events, scene)) < MOSTLY_KNOWN:
+            notes.append(
+                f"parameters are the likeliest, not moved by simulation: {share:.0%} of the events come "
+                "where light between frames is known: record slower motion, or at a higher frame rate"
+            )
+        elif refining:
             refined = _refined(inspection, reading, cut, parameters, seed, report)
             worth = refined.after < WORTH_IT * refined.before
             notes.append(_told(refined, worth))
@@ -134,9 +141,9 @@ def camera_from(
                 pixels = refined.parameters.changed({"aps_coupling": alone.aps_coupling.model_dump()})
                 parameters, said = _with_camera(inspection, reading, cut, pixels, seed, report)
                 moved = _moved(likeliest, parameters)
-            estimates = tuple(
-                one.reaching(getattr(getattr(parameters, one.effect), one.parameter)) for one in estimates
-            )
+        estimates = tuple(
+            one.reaching(getattr(getattr(parameters, one.effect), one.parameter)) for one in estimates
+        )
         notes += said
     known: dict[str, Any] = _own(parameters) | _faulty(inspection)
     if temperature_c is not None:

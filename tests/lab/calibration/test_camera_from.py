@@ -178,6 +178,22 @@ def test_what_behaves_more_alike_is_taken_if_it_is_worth_it(
         assert one.low <= value <= one.high
 
 
+@pytest.mark.parametrize(("share", "moved"), [(0.45, False), (0.55, True)])
+def test_nothing_is_moved_by_light_that_is_mostly_unknown(
+    monkeypatch: pytest.MonkeyPatch, share: float, moved: bool
+) -> None:
+    def refined(_: object, scene: object, *__: object, **___: object) -> Refined:
+        better = FOUND.changed({"contrast_response": {"k1": 7.0}})
+        return Refined(better, scene, "as it was", (), (), 1.0, 0.5)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(module, "refine", refined)
+    monkeypatch.setattr(module, "known_share", lambda *_: share)
+    found = camera_from(well())
+    assert found.camera.parameters.contrast_response.k1 == (7.0 if moved else 6.123456)
+    assert (found.refined is not None) == moved
+    assert any("45% of the events come where light" in note for note in found.notes) != moved
+
+
 @pytest.mark.parametrize("kick", [0.1, 0.0])
 def test_events_about_exposures_count_where_the_camera_has_what_makes_them(
     monkeypatch: pytest.MonkeyPatch, kick: float

@@ -47,6 +47,11 @@ class Refined:
     after: float
 
 
+def known_share(events: NDArray[np.void], scene: Scene) -> float:
+    """Of the events, those in light that is known well enough to take part where it stays as it is."""
+    return float(scene.known(KNOWN).within(events).mean())
+
+
 def refine(
     events: NDArray[np.void],
     scene: Scene,
