@@ -16,6 +16,7 @@ from voltcam_lab.statistics.group import Group, Label, Values
 from voltcam_lab.statistics.inter_event_times import INTERVALS
 from voltcam_lab.statistics.lag_response import LAG_RESPONSE
 from voltcam_lab.statistics.neighbours import NEIGHBOURS
+from voltcam_lab.statistics.net_events import NET_EVENTS
 from voltcam_lab.statistics.pixels import PIXELS
 from voltcam_lab.statistics.rates import RATES
 from voltcam_lab.statistics.readout import READOUT
@@ -50,6 +51,7 @@ GROUPS: tuple[Group, ...] = (
     LAG_RESPONSE,
     NEIGHBOURS,
     FIRST_PASSAGE,
+    NET_EVENTS,
 )
 
 LABELS: tuple[Label, ...] = tuple(label for group in GROUPS for label in group.labels)
@@ -77,7 +79,7 @@ def observe(setting: Setting, events: NDArray[np.void]) -> Observation:
     """All statistics of events (EVENT dtype, in any order) in a setting.
 
     Intervals belong to the part in which they end. Events outside of the scene's time, of the kept pixels or
-    of known light are left out, and intervals through light that is not known.
+    of known light (but for net events) are left out, and intervals through light that is not known.
     """
     stream = stream_of(setting, events)
     return Observation(np.hstack([group.observe(setting, stream) for group in GROUPS]))

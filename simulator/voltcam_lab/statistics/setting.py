@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from voltcam_lab.light.known import KnownLight
 from voltcam_lab.light.scene import Scene
+from voltcam_lab.statistics.halves import Halves, halves_of
 from voltcam_lab.statistics.strata import INTENSITIES, SLOPES, LightStrata, light_strata
 from voltcam_simulator import Parameters
 from voltcam_simulator.kernel import kernel
@@ -51,6 +52,7 @@ class Setting:
     """(4 blocks modulo 4, 3, K): rise and fall of ln(L + k2) while moving, and time at rest [s]."""
     bustle: NDArray[np.float64]
     """(2 tiles, N): all rises and falls of ln(L + k2) up to an instant, summed over the tiles' pixels."""
+    halves: Halves
 
     @property
     def frame_starts_us(self) -> NDArray[np.int64]:
@@ -102,6 +104,7 @@ def setting_of(
         scene, frame_t_us, period_us, exposure_us, parameters, edges_us, tiles,
         pixels.astype(np.int32), place, log_light, known, strata,
         seconds.reshape(PARTS, INTENSITIES, SLOPES), path, np.cumsum(bustle, axis=1),
+        halves_of(light, log_light, scene.t_us),
     )  # fmt: skip
 
 

@@ -1,12 +1,13 @@
 """The events of a recording, each with where and when it was in the setting, found in one pass."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from voltcam_lab.statistics.halves import HALVES
 from voltcam_lab.statistics.setting import Setting
 from voltcam_lab.statistics.strata import INTENSITIES, REST, SLOPES
 from voltcam_simulator.kernel import kernel
@@ -14,6 +15,7 @@ from voltcam_simulator.kernel import kernel
 _CLASSES = np.divmod(np.arange(INTENSITIES * SLOPES, dtype=np.int32), SLOPES)  # of each stratum's index
 NONE = -1
 """Interval of an event that has no other of its pixel before it."""
+_OF_PIXELS = ("ends", "between")
 SETTLED_US = 500_000
 """How long voltages tell of light that is not known, at most, where no event came since. Measured: where the
 generator's light has just gone dark, pixels at rest give OFF events for 200 ms."""
@@ -46,12 +48,17 @@ class EventTable:
     unsettled: NDArray[np.uint8]
     """1 where light that is not known may have made the event: it is less than SETTLED_US ago, and no other
     event came since. What was before the recording is not known either."""
+    ends: NDArray[np.int32]
+    """(HALVES, 2, K), no column: a pixel's first and last event of each half; -1 where it has no two."""
+    between: NDArray[np.int32]
+    """(HALVES, 2 polarities, K), no column: its events, in any light, after the first one up to the last."""
 
     @cached_property
     def settled(self) -> "EventTable":
         """Without those that are `unsettled`: for counts. `former` means nothing in it."""
         kept = np.flatnonzero(self.unsettled == 0)
-        return EventTable(*(getattr(self, one.name)[kept] for one in fields(self)))
+        rows = {one.name: getattr(self, one.name)[kept] for one in fields(self) if one.name not in _OF_PIXELS}
+        return replace(self, **rows)
 
     @cached_property
     def thirds(self) -> NDArray[np.int64]:
@@ -64,7 +71,7 @@ class EventTable:
 def stream_of(setting: Setting, events: NDArray[np.void]) -> EventTable:
     """Put events (EVENT dtype, in any order) in order and find their place in the setting.
 
-    Those in light that is not known are left out.
+    Those in light that is not known are left out, but for `between`.
     """
     key, bits = ordered(setting, setting.known.where(events))
     n = len(key)
@@ -78,8 +85,21 @@ def stream_of(setting: Setting, events: NDArray[np.void]) -> EventTable:
         unsettled,
     )  # fmt: skip
     return EventTable(
-        t_us, pixel, place, on, part, quarter, intensity, slope, moving, log, interval_us, former, unsettled
-    )
+        t_us, pixel, place, on, part, quarter, intensity, slope, moving, log, interval_us, former, unsettled,
+        *_from_end_to_end(setting, events, t_us, place),
+    )  # fmt: skip
+
+
+def _from_end_to_end(
+    setting: Setting, events: NDArray[np.void], t_us: NDArray[np.int64], place: NDArray[np.int32]
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """`ends` and `between` of an EventTable with these columns, of these events."""
+    shape = (HALVES, 2, len(setting.pixels))
+    ends, between = np.full(shape, -1, np.int32), np.zeros(shape, np.int32)
+    find_ends(t_us, place, setting.halves.middle_us, ends)
+    t, x, y, p = (np.ascontiguousarray(events[name]) for name in "txyp")
+    count_between(t, x, y, p, setting.place, setting.scene.width, t_us, ends, between)
+    return ends, between
 
 
 def ordered(setting: Setting, events: NDArray[np.void]) -> tuple[NDArray[np.int64], int]:
@@ -92,6 +112,33 @@ def ordered(setting: Setting, events: NDArray[np.void]) -> tuple[NDArray[np.int6
     key = np.empty(len(events), np.int64)
     count = number(t, x, y, p, setting.block_edges_us, setting.place, setting.scene.width, bits, key)
     return np.sort(key[:count]), bits
+
+
+@kernel
+def find_ends(t_us: Any, place: Any, middle_us: Any, ends: Any) -> None:
+    """Fill ends with the numbers of the first and last event of each pixel in each half."""
+    for i in range(t_us.size):
+        half, k = 1 if t_us[i] > middle_us else 0, place[i]
+        if ends[half, 0, k] < 0:
+            ends[half, 0, k] = i
+        else:
+            ends[half, 1, k] = i
+    for half in range(ends.shape[0]):
+        for k in range(ends.shape[2]):
+            if ends[half, 1, k] < 0:
+                ends[half, 0, k] = -1
+
+
+@kernel
+def count_between(
+    t: Any, x: Any, y: Any, p: Any, places: Any, width: Any, t_us: Any, ends: Any, between: Any
+) -> None:
+    """Count events, in any order, that come after their pixel's first one in a half, up to its last."""
+    for i in range(t.size):
+        k = places[np.int64(y[i]) * width + x[i]]
+        for half in range(ends.shape[0]):
+            if k >= 0 and ends[half, 0, k] >= 0 and t_us[ends[half, 0, k]] < t[i] <= t_us[ends[half, 1, k]]:
+                between[half, np.int64(p[i]), k] += 1
 
 
 @kernel

@@ -52,7 +52,7 @@ class Residual(_Record):
 class Stratum(_Record):
     """A statistic that differs."""
 
-    group: str = Field(description="letter of its group, A to J")
+    group: str = Field(description="letter of its group, A to K")
     statistic: str
     strata: dict[str, str]
     z: float = Field(description="measured less expected, of the spread of simulated twins")

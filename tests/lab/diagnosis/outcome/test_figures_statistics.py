@@ -44,12 +44,12 @@ def test_bars_are_as_long_as_the_gaps_and_floors_stand_beside() -> None:
 
 def test_each_group_has_a_bar_of_each_model() -> None:
     gaps = {
-        name: {letter: (k + 1.0, 0.5) for k, letter in enumerate("ABCDEFGHIJ")}
+        name: {letter: (k + 1.0, 0.5) for k, letter in enumerate("ABCDEFGHIJK")}
         for name in ("before", "after")
     }
     (axes,) = group_gap_bars(gaps).get_axes()
-    assert [bar.get_height() for bar in axes.patches] == 2 * [k + 1.0 for k in range(10)]
-    assert len(axes.get_xticklabels()) == 10
+    assert [bar.get_height() for bar in axes.patches] == 2 * [k + 1.0 for k in range(11)]
+    assert len(axes.get_xticklabels()) == 11
 
 
 def test_every_statistic_has_a_dot_at_its_z() -> None:
