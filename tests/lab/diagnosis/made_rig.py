@@ -15,7 +15,16 @@ from voltcam_simulator import EVENT, Parameters
 
 START = Parameters.of("paper")
 N = len(FLOORS)
-PATTERNS = np.random.default_rng(7).standard_normal((12, PARTS, N)) * np.maximum(FLOORS, 1)
+
+
+def drawn(seed: int, *shape: int) -> Values:
+    """(*shape, N) normal numbers, as large as the floors. One statistic more leaves the others alone."""
+    rows = np.random.default_rng(seed).standard_normal((N, *shape))
+    values: Values = np.moveaxis(rows, 0, -1) * np.maximum(FLOORS, 1)
+    return values
+
+
+PATTERNS = drawn(1, 12, PARTS)
 """Directions in the statistics: the first six are those of the base parameters."""
 
 DEAD_TIME = Candidate("refractory_period", ("period_us",), ((700.0,), (3000.0,)))
@@ -54,7 +63,7 @@ class MadeRig(Rig):
         return np.stack([seen + self.noise(seed) for seed in seeds])
 
     def noise(self, seed: int) -> Values:
-        return np.random.default_rng(seed).standard_normal((PARTS, N)) * np.maximum(FLOORS, 1)
+        return drawn(seed, PARTS)
 
 
 def made_clues() -> Clues:
