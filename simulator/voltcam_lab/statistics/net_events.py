@@ -61,7 +61,7 @@ def _beyond(setting: Setting, stream: EventTable, half: int, mine: Pixels) -> tu
     net = law.comparator.theta_on * on - law.comparator.theta_off * off
     beyond = net - law.contrast_response.k1 * rise - leaked
     causes = np.column_stack([span_us * 1e-6, photo_us * 1e-8, rise])
-    usual = np.ones(len(mine), np.bool_)
+    explained, usual = np.zeros(len(mine)), np.ones(len(mine), np.bool_)
     for _ in range(_FITS):
         explained = causes @ np.linalg.lstsq(causes[usual], beyond[usual])[0]
         usual = np.abs(beyond - explained) < _CLIP
