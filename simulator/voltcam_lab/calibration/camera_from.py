@@ -90,10 +90,9 @@ def camera_from(
     """The camera that made a recording that was inspected.
 
     base: a camera whose other effects are taken over, of the recording's size. temperature_c: of the die
-    while it was recorded. refining: the exact law's
-    parameters are moved until simulated events are most like the recorded ones, if they gain by it and light
-    is known for most of them. Raises
-    CalibrationError, a line, where the recording is of no use.
+    while it was recorded. refining: the exact law's parameters are moved until simulated events are most like
+    the recorded ones, if they gain by it and light is known for most of them. Raises CalibrationError, a
+    line, where the recording is of no use.
     """
     recording = inspection.footage
     size = (recording.width, recording.height)

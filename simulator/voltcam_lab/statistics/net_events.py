@@ -4,7 +4,8 @@ That is what its voltage rose by: by the change of light from end to end, and by
 light went between, so all events in between count, in any light. Of fast motion slow frames tell little else.
 Leaks that differ from pixel to pixel show, thresholds that are not alike, and events that are lost.
 
-Squares are about what a leak, one that goes with brightness, and a gain explain: base parameters move these.
+Squares are of what a leak, a leak that goes with brightness, and a gain do not explain. Base parameters
+move these three, and so hardly the squares.
 """
 
 import numpy as np

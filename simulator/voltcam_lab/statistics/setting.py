@@ -53,6 +53,7 @@ class Setting:
     bustle: NDArray[np.float64]
     """(2 tiles, N): all rises and falls of ln(L + k2) up to an instant, summed over the tiles' pixels."""
     halves: Halves
+    """Of its time, in any light."""
 
     @property
     def frame_starts_us(self) -> NDArray[np.int64]:

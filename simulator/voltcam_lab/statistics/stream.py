@@ -15,7 +15,7 @@ from voltcam_simulator.kernel import kernel
 _CLASSES = np.divmod(np.arange(INTENSITIES * SLOPES, dtype=np.int32), SLOPES)  # of each stratum's index
 NONE = -1
 """Interval of an event that has no other of its pixel before it."""
-_OF_PIXELS = ("ends", "between")
+_OF_PIXELS = ("ends", "between")  # of EventTable: has a place for each pixel, not a row for each event
 SETTLED_US = 500_000
 """How long voltages tell of light that is not known, at most, where no event came since. Measured: where the
 generator's light has just gone dark, pixels at rest give OFF events for 200 ms."""
@@ -23,7 +23,8 @@ generator's light has just gone dark, pixels at rest give OFF events for 200 ms.
 
 @dataclass(frozen=True, eq=False)
 class EventTable:
-    """n events in the order (t, pixel, polarity), of the setting's pixels and time only. Columns (n,)."""
+    """n events in the order (t, pixel, polarity), of the setting's pixels and time only. Columns (n,),
+    but the last two."""
 
     t_us: NDArray[np.int64]
     pixel: NDArray[np.int32]
@@ -49,13 +50,13 @@ class EventTable:
     """1 where light that is not known may have made the event: it is less than SETTLED_US ago, and no other
     event came since. What was before the recording is not known either."""
     ends: NDArray[np.int32]
-    """(HALVES, 2, K), no column: a pixel's first and last event of each half; -1 where it has no two."""
+    """(HALVES, 2, K): numbers of a pixel's first and last event of each half; -1 where it has no two."""
     between: NDArray[np.int32]
-    """(HALVES, 2 polarities, K), no column: its events, in any light, after the first one up to the last."""
+    """(HALVES, 2 polarities, K): how many events of it, in any light, come after the first up to the last."""
 
     @cached_property
     def settled(self) -> "EventTable":
-        """Without those that are `unsettled`: for counts. `former` means nothing in it."""
+        """Without those that are `unsettled`: for counts. `former` and `ends` mean nothing in it."""
         kept = np.flatnonzero(self.unsettled == 0)
         rows = {one.name: getattr(self, one.name)[kept] for one in fields(self) if one.name not in _OF_PIXELS}
         return replace(self, **rows)
