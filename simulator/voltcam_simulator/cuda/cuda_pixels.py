@@ -53,7 +53,6 @@ class CudaPixels:
         self._planes: list[DeviceArray] = []
         self._output = self._fresh_output(max(FIRST_KEYS, pixels))
         self._written = 0
-        self._kernels: dict[Any, Any] = {}
         self._set_us: dict[str, float] = {}
         self._steps, self._elapsed_us = 0, 0.0
         self.limits = Limits()  # of the interval at hand
@@ -97,7 +96,7 @@ class CudaPixels:
         """Show an image as if it had been there for long: light and response of that instant, no events."""
         band, planes = self._traced(t_us, 0.0)
         traced_band.see(band, self.effects)
-        kernel = self._kernel(kernels.settling, band)
+        kernel = kernels.settling(effects_of(calls_of(band)))
         given = self._given(band, planes)
         still = Frames(image, image, np.float32(1))
         arrays.launch(kernel, self._pixels, self._seen, still, given, self.width)
@@ -108,7 +107,8 @@ class CudaPixels:
             return
         band, planes = self._traced(t_us, 1.0)
         traced_band.add_drift(band, self.effects)
-        kernel, given = self._kernel(kernels.starting, band), self._given(band, planes)
+        kernel = kernels.starting(effects_of(calls_of(band)))
+        given = self._given(band, planes)
         key = interval_key(self.seed, START, 0)
         arrays.launch(kernel, self._pixels, self._state, self._seen, given, key, self.width)
 
@@ -140,7 +140,7 @@ class CudaPixels:
         step = Step(key, float(span_us), float(offset_us), 0, self.width)
         kicks = self._kicks(band)
         after_it = self._reset, kicks, self._has_held or bool(band.kicks)
-        kernel = self._kernel(kernels.stepping, band, self.law)
+        kernel = kernels.stepping(effects_of(calls_of(band)), self.law)
         way = Frames(before, after, np.float32(share))
         given = self._given(band, planes)
         arrays.launch(
@@ -153,8 +153,6 @@ class CudaPixels:
     def _follow_late(self, step: Step, after_it: tuple[Any, ...]) -> None:
         """Follow the pixels whose events did not fit, until all have found room. Raises GivenUpError."""
         room, late = FIRST_ROOM, self._counted()
-        if late and self.law not in self._kernels:
-            self._kernels[self.law] = kernels.stepping_late(self.law)
         while late:
             self.limits.hurry()
             former = self._output
@@ -167,7 +165,7 @@ class CudaPixels:
             for first in range(0, late, threads):
                 turn = Late(former.numbers, former.motion, first, late, space)
                 given = self._state, self._seen, step, *after_it, turn, self._output
-                arrays.launch(self._kernels[self.law], threads, *given)
+                arrays.launch(kernels.stepping_late(self.law), threads, *given)
             late, room = self._counted(), room * 8
 
     def _counted(self) -> int:
@@ -220,14 +218,6 @@ class CudaPixels:
         if not band.kicks:
             return self._no_kicks
         return Kicks(*(arrays.upload(array) for array in kicks_of_rows(band)))
-
-    def _kernel(self, make: Any, band: TracedBand, *law: Law) -> Any:
-        """The kernel that does what the band has noted, made when it is needed first."""
-        calls = calls_of(band)
-        key = make, calls, law
-        if key not in self._kernels:
-            self._kernels[key] = make(effects_of(calls), *law)
-        return self._kernels[key]
 
     def _given(self, band: TracedBand, planes: list[DeviceArray]) -> Given:
         """What the kernel is to be given for it; never empty, since the device knows no empty group."""

@@ -1,5 +1,6 @@
 """The kernels that are launched: a thread for each pixel of the sensor. Arrays come in groups."""
 
+import functools
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,6 +31,8 @@ OWN_KEYS = 16
 CUTS, STARTS = DEEPEST + 1, MOST_PIECES + 1
 CLAIMED, UNCLAIMED, LATE = 0, 1, 2
 """Places in `Output.counts`."""
+compiled_once = functools.lru_cache(maxsize=64)
+"""A kernel takes seconds to compile, so all sensors of a process share it."""
 
 
 class Seen(NamedTuple):
@@ -115,6 +118,7 @@ def light_of(frames: Any, i: Any) -> Any:
     return after if share >= np.float32(1) else (np.float32(1) - share) * before + share * after
 
 
+@compiled_once
 def settling(effects: Any) -> Any:
     """The kernel that shows a sensor an image as if it had been there for long."""
 
@@ -134,6 +138,7 @@ def settling(effects: Any) -> Any:
     return settle
 
 
+@compiled_once
 def starting(effects: Any) -> Any:
     """The kernel that puts the voltages where they are after long."""
 
@@ -155,6 +160,7 @@ def starting(effects: Any) -> Any:
     return start
 
 
+@compiled_once
 def stepping(effects: Any, law: Law) -> Any:
     """The kernel of a step: what effects do to light and voltage, and the way of the voltage."""
     follow = _following(law)
@@ -187,6 +193,7 @@ def stepping(effects: Any, law: Law) -> Any:
     return step_all
 
 
+@compiled_once
 def stepping_late(law: Law) -> Any:
     """The kernel for pixels whose events did not fit; again they may not."""
     follow = _following(law)
