@@ -19,10 +19,11 @@ from statistics import median
 import numpy as np
 from tqdm import tqdm
 
-from voltcam_simulator import Law, Parameters, Simulator
+from voltcam_simulator import Law, NoDeviceError, Parameters, Simulator
 from voltcam_video import Frame, along_flow
 from voltcam_video.sources.scene import render
 
+from .bench_cuda import cuda_steps
 from .bench_figure import REPEATS, Figure, Frames, repeated
 from .bench_limits import MachineLimits, numpy_paper_law
 from .bench_live import live
@@ -30,6 +31,7 @@ from .bench_report import BenchReport
 from .bench_scene import moving, noisy
 from .bench_senders import left_out
 from .bench_transports import transports
+from .problems import UsageError
 
 STILL_FRAMES = 600  # twenty seconds: long enough for the start, eight frames and a draw, to be a small part
 SIZES = {"346x260": (346, 260, 60), "1280x720": (1280, 720, 12)}  # width, height, frames
@@ -40,9 +42,10 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument(
         "what",
         nargs="?",
-        choices=("all", "transports"),
+        choices=("all", "transports", "cuda"),
         default="all",
-        help="transports: only how fast events reach another process, beside a plain socket; 80 seconds",
+        help="transports: only how fast events reach another process, beside a plain socket; 80 seconds."
+        " cuda: only a sensor on a GPU; 2 minutes",
     )
     parser.add_argument("--json", action="store_true", help="print the figures as JSON, to be compared later")
     parser.add_argument(
@@ -54,16 +57,22 @@ def configure(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Measure everything and print it; the bar goes to standard error."""
     old = BenchReport.read(arguments.compare) if arguments.compare else None
+    figures: list[Figure] = []
     if arguments.what == "transports":
         # Transports tell of what the bench does to them: receivers that are killed, times that begin at 0.
         logging.getLogger().addHandler(logging.NullHandler())
-        figures, steps = [], list(transports())
+        steps = list(transports())
         sys.stderr.writelines(f"{line}\n" for line in left_out())
+    elif arguments.what == "cuda":
+        steps = list(cuda_steps())
     else:
         limits = MachineLimits.measured()
         figures, steps = list(limits.figures), list(plan(limits))
     for measure in tqdm(steps, desc="voltcam bench", disable=None, leave=False):
-        found = measure()
+        try:
+            found = measure()
+        except NoDeviceError as error:
+            raise UsageError(str(error)) from None
         figures += found
         if not (arguments.json or old):
             tqdm.write("\n".join(map(str, found)))
