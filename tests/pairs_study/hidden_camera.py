@@ -8,7 +8,8 @@ from tests.generator import Base, Effect, draw_base
 
 from voltcam_simulator import Parameters
 
-MIDDLE_DN, WHITE_DN, DARK_DN = 128.0, 255.0, 20.0  # where a bandwidth is given, there and here
+MIDDLE_DN, WHITE_DN = 128.0, 255.0  # where a bandwidth is given, there and here
+SLOWEST_DN = 255 / 9  # the generator leaves a tenth of white's bandwidth at 0 DN
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,8 @@ def true_file(camera: HiddenCamera, height: int) -> Parameters:
         "leak_noise": {"k6": base.k6},
         "refractory_period": hidden["refractory_period"],
         "photoreceptor_bandwidth": {
-            "cutoff_hz": bandwidth["cutoff_hz"] * (WHITE_DN + DARK_DN) / (MIDDLE_DN + DARK_DN),
+            "cutoff_hz": bandwidth["cutoff_hz"] * (WHITE_DN + SLOWEST_DN) / (MIDDLE_DN + SLOWEST_DN),
+            "dark_dn": SLOWEST_DN,
             "follower_hz": bandwidth["follower_hz"],
         },
         "threshold_mismatch": {"sigma": hidden["threshold_mismatch"]["sigma"]},

@@ -117,10 +117,11 @@ def _times(
 ) -> dict[str, Any]:
     """When frames are taken, on the pixels' clock: events are late by the camera's own delay."""
     row_us = abs(inspection.row_time_us or NO_ROWS_US)
+    period_us = round(period_us, 3)  # as the camera has it: a clock may be 10^10 periods from its zero
     begin_us, told_us = exposure_times(footage.events, footage.frame_t_us, footage.exposure_us, row_us)
     begin_us -= parameters.latency.delay_us + footage.height * row_us
     return {
-        "frame_period_us": round(period_us, 3),
+        "frame_period_us": period_us,
         "exposure_us": round(DEFAULT_EXPOSURE_US if told_us is None else told_us, 1),
         "row_us": round(row_us, 3),
         "offset_us": round(begin_us % period_us, 1),

@@ -41,6 +41,24 @@ def test_a_kick_of_the_exposure_is_found_at_its_size(size: float) -> None:
     assert "exposure_kick" in words
 
 
+def test_stamps_may_be_those_of_a_clock_that_began_in_1970() -> None:
+    """A period that is no whole number of microseconds must not add up to another phase."""
+    given, (footage, _) = healthy(), filmed(exposure_kick=0.1)
+    late_us, events = 1_589_163_147_365_215, footage.events.copy()
+    events["t"] += late_us
+    frame_t_us = given.frame_t_us + late_us
+    frame_t_us[-1] += 1
+    later = Footage(events, WIDTH, HEIGHT, given.frames, frame_t_us)
+    scene = scene_of(given.frames, frame_t_us, "cubic")
+    kick = with_frames_of(inspect(later), scene, later, CAMERA, seed=8)[0].aps_coupling
+    assert kick.exposure_kick == pytest.approx(0.1, rel=0.35)
+    period_ns = round(kick.frame_period_us * 1000)
+    assert period_ns % 1000 != 0
+    exposed_ns = round((kick.offset_us + HEIGHT * kick.row_us) * 1000)
+    behind_us = (1000 * int(frame_t_us[0]) - exposed_ns) % period_ns / 1000
+    assert min(behind_us, PERIOD_US - behind_us) < 300
+
+
 def test_events_that_do_not_come_with_frames_leave_the_camera_as_it_is() -> None:
     inspection = well()
     footage = inspection.footage

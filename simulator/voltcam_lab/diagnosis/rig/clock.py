@@ -18,6 +18,6 @@ def counted_from(parameters: Parameters, t_us: int) -> Parameters:
     changes = {entry.effect: moved for entry in ENTRIES if (moved := entry.on_clock(parameters, t_us))}
     clock = parameters.residual_clock  # no entry of the catalogue
     if clock.active:
-        begin_us = (clock.begin_us - t_us) % clock.period_us
-        changes["residual_clock"] = {"begin_us": begin_us}
+        begin_ns, period_ns = round(1000 * clock.begin_us), round(1000 * clock.period_us)  # as it counts them
+        changes["residual_clock"] = {"begin_us": (begin_ns - 1000 * t_us) % period_ns / 1000}
     return parameters.changed(changes) if changes else parameters
