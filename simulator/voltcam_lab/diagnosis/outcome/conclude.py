@@ -8,6 +8,7 @@ import numpy as np
 
 from voltcam_simulator import Camera
 
+from ...dependence.told_apart import Telling
 from ...dependence.words import sentence as kind_in_words
 from ...statistics import COUNTS, LABELS
 from ..catalogue.candidate import Candidate
@@ -110,9 +111,10 @@ def sentence(diagnosis: Diagnosis, first: View, last: View, settings: SearchSett
         rest = " What is left has no name in the catalogue." if left else ""
         return f"The camera file lacks {names}. With that added, {gap}.{rest}{form}"
     if diagnosis.verdict == "none":
+        nothing = "No effect is missing" if _kinds_left(diagnosis) else "Nothing is missing"
         return (
-            f"Nothing is missing: with base parameters fitted, {gap}, as near as chance lets it come"
-            f" ({last.floor:.2f})."
+            f"{nothing}: with base parameters fitted, {gap}, where chance leaves {last.floor:.2f} and the light"
+            f" between frames up to {settings.unexplained:.2f} more."
         )
     chance = "" if first is not last else f", chance alone would leave {last.floor:.2f}"
     near = "".join(
@@ -137,12 +139,16 @@ def _remains(diagnosis: Diagnosis) -> Unexplained | None:
     return Unexplained(nats=found.noticed, floor=found.floor, noticeable=NOTICEABLE, kinds=kinds)
 
 
+def _kinds_left(diagnosis: Diagnosis) -> tuple[Telling, ...]:
+    """The kinds of what is left, where that matters."""
+    found = diagnosis.remains
+    return found.telling if found is not None and found.noticeable else ()
+
+
 def _by_kind(diagnosis: Diagnosis) -> str:
     """What is left that matters, by its kind."""
-    found = diagnosis.remains
-    if found is None or not found.noticeable or not found.telling:
-        return ""
-    return f" What is left by kind: {kind_in_words(found.telling[0])}"
+    kinds = _kinds_left(diagnosis)
+    return f" What is left by kind: {kind_in_words(kinds[0])}" if kinds else ""
 
 
 def _far_from_file(diagnosis: Diagnosis, settings: SearchSettings) -> str:

@@ -180,6 +180,12 @@ class Result(_Record):
     versions: Versions
     settings: DiagnosisSettings
 
+    @property
+    def is_told(self) -> bool:
+        """Whether kinds tell the recording from simulated ones in the end, by enough to matter."""
+        left = self.remains
+        return left is not None and left.nats > left.noticeable and bool(left.kinds)
+
 
 def schema() -> dict[str, Any]:
     """The JSON schema of result.json."""

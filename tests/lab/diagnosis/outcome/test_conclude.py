@@ -60,7 +60,9 @@ def test_where_nothing_is_missing_chance_is_what_is_left() -> None:
     nothing = Diagnosis("none", (), Hypothesis(START), (step(0.1),))
     said = sentence(nothing, AFTER, AFTER)
     assert said.startswith("Nothing is missing: ")
-    assert "data is 0.60, as near as chance lets it come (0.50)" in said
+    assert said.endswith(
+        "data is 0.60, where chance leaves 0.50 and the light between frames up to 0.25 more."
+    )
 
 
 def test_of_what_has_no_name_the_nearest_effect_and_a_formula_are_said() -> None:

@@ -2,15 +2,17 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from voltcam_lab.dependence.told_apart import ToldApart
+from voltcam_lab.dependence.covariates import Covariate
+from voltcam_lab.dependence.told_apart import Telling, ToldApart
 from voltcam_lab.diagnosis.outcome.conclude import camera_of, result_of
 from voltcam_lab.diagnosis.outcome.generic import generic_of, term_in_words
 from voltcam_lab.diagnosis.outcome.report import page_of
 from voltcam_lab.diagnosis.residual.fit import GenericTerm
 from voltcam_lab.diagnosis.residual.shapes import KickShape
-from voltcam_lab.diagnosis.rig.whole import Remains, WholeSensor
+from voltcam_lab.diagnosis.rig.whole import NOTICEABLE, Remains, WholeSensor
 from voltcam_simulator import Parameters
 
 from ..conftest import Done
@@ -52,3 +54,18 @@ def test_it_stands_in_result_page_and_camera_file_and_the_verdict_stays(done: Do
     kick = camera_of(done.session, unknown, terms).parameters.residual_kick
     assert (kick.after_on, kick.after_off, kick.chance, kick.delay_us) == (2.0, -2.0, 0.25, 600.0)
     assert not camera_of(done.session, unknown).parameters.residual_kick.active
+
+
+@pytest.mark.parametrize("nats", [0.002, 0.05])
+def test_what_all_pixels_tell_is_not_called_nothing(done: Done, nats: float) -> None:
+    clock = Covariate("clock", "clock", "way from tick to tick", 2)
+    step = Telling(clock, nats, np.zeros((2, 2)), np.full((2, 2), 0.5))
+    look, by_light = done.session.sensor.look, (told(0.0),)
+    left = Remains(ToldApart(0.0, {}, (step,), (1000, 1000)), look, by_light)
+    nothing = replace(done.diagnosis, verdict="none", found=(), covariance=None, remains=left)
+    result = result_of(done.session, done.search, done.identifiability, nothing)
+    page = page_of(done.session, done.search, done.identifiability, nothing, result)
+    matters = nats > NOTICEABLE
+    assert result.sentence.startswith("No effect is missing: " if matters else "Nothing is missing: ")
+    assert ("What is left by kind: " in result.sentence) == matters
+    assert ("No effect is missing, but all pixels tell it" in page) == matters
