@@ -73,7 +73,9 @@ def _where(covariate: Covariate, first: int, last: int) -> str:
     if name in PASTS:
         if last == 0:
             return _AGO[name].replace("after", "at the very time of", 1)
-        return f"{_span(past_edges_us(), first, last)} {_AGO[name]}"
+        edges_us = past_edges_us()
+        never = ", or before there was one" if last == len(edges_us) else ""
+        return f"{_span(edges_us, first, last)} {_AGO[name]}{never}"
     if name == "order":
         if first == 0:
             return "that do not share row and time with the event before"

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.dependence.told_apart import FEWEST, told_apart
+from voltcam_lab.dependence.covariates import PAST_BINS, Covariate
+from voltcam_lab.dependence.told_apart import FEWEST, Telling, told_apart
 from voltcam_lab.dependence.words import peak, sentence
 from voltcam_lab.pages.dependence import functions
 
@@ -44,6 +45,15 @@ def test_an_echo_is_named_by_kind_at_its_time(other: bool, name: str, kind: str)
 def test_events_that_are_missing_are_a_share_of_those_simulated() -> None:
     found = told_apart(free(6), [echoed(5, (3000, 10_000))], look(free(6)), everything)
     assert "% of the" in sentence(found.steps[0])
+
+
+def test_the_last_span_has_first_events_too() -> None:
+    """They come after no other; a recording may be shorter than that span begins."""
+    function, share = np.zeros((2, PAST_BINS)), np.full((2, PAST_BINS), 1 / PAST_BINS)
+    own = Covariate("own_same", "own past", "", PAST_BINS)
+    for peak_at, never in ((PAST_BINS - 1, True), (PAST_BINS // 2, False)):
+        function[:] = np.arange(PAST_BINS) == peak_at
+        assert sentence(Telling(own, 0.01, function, share)).endswith("or before there was one.") == never
 
 
 def test_rows_that_come_together_are_the_bus_s_affair() -> None:

@@ -113,8 +113,8 @@ def sentence(diagnosis: Diagnosis, first: View, last: View, settings: SearchSett
     if diagnosis.verdict == "none":
         nothing = "No effect is missing" if _kinds_left(diagnosis) else "Nothing is missing"
         return (
-            f"{nothing}: with base parameters fitted, {gap}, where chance leaves {last.floor:.2f} and the light"
-            f" between frames up to {settings.unexplained:.2f} more."
+            f"{nothing}: with base parameters fitted, {gap}, where chance leaves {last.floor:.2f} and the"
+            f" light between frames up to {settings.unexplained:.2f} more."
         )
     chance = "" if first is not last else f", chance alone would leave {last.floor:.2f}"
     near = "".join(
