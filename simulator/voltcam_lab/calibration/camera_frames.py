@@ -17,6 +17,7 @@ from ..health import Inspection
 from ..health.exposure_times import exposure_times
 from ..light.scene import Scene
 from ..models.model import MODELS, simulate
+from ..models.run_up import run_up
 from ..recordings import Footage
 
 PHASE_US = 400.0  # about an exposure: when within it events leave is the bus's affair
@@ -26,6 +27,7 @@ FACTORS = (1.6, 1.2)  # by which the best is made larger and smaller
 WORTH_IT = 0.1  # of the excess over chance that a kick must take away to be kept
 NO_ROWS_US = 0.01  # time of a row where no scan is seen: all at once
 DEFAULT_EXPOSURE_US = 500.0
+LEAD_IN_US, LEAD_IN_FRAMES = 1_000_000, 60  # before a scene begins: by then what can fire at once has fired
 KICKS = ("exposure_kick", "reset_kick", "readout_kick")
 
 
@@ -88,7 +90,7 @@ def with_frames_of(
     def excess(kicks: Mapping[str, float]) -> float:
         report("frames")
         changed = parameters.changed({"aps_coupling": {**times, **kicks}})
-        return goal.excess(simulate(MODELS["exact"](footage.width, footage.height, changed, seed), scene))
+        return goal.excess(filmed(footage, scene, changed, seed))
 
     kicks: dict[str, float] = dict.fromkeys(KICKS, 0.0)
     least = before = excess(kicks)
@@ -110,6 +112,17 @@ def with_frames_of(
     return parameters.changed(
         {"aps_coupling": {**times, **{k: round(v, 4) for k, v in kicks.items()}}}
     ), words
+
+
+def filmed(footage: Footage, scene: Scene, parameters: Parameters, seed: int) -> Events:
+    """The events of a camera that has seen the like, and taken frames, for long when the scene begins. Else
+    pixels near a threshold, and those that noise of the frames takes there, fire first and not again."""
+    model, begin_us = MODELS["exact"](footage.width, footage.height, parameters, seed), int(scene.t_us[0])
+    filming_us = round(LEAD_IN_FRAMES * parameters.aps_coupling.frame_period_us)
+    run_up(model, scene.images, scene.t_us.tolist(), LEAD_IN_US, filming_us)
+    events = simulate(model, scene)
+    kept: Events = events[events["t"] > begin_us]
+    return kept
 
 
 def _times(

@@ -20,12 +20,13 @@ from ..recordings import Footage
 from ..windows import Mask
 from .bus import as_read
 from .calibrate import Calibration, CalibrationError, calibrate
-from .camera_frames import with_frames_of
+from .camera_frames import filmed, with_frames_of
 from .estimates import Estimate
 from .lateness import as_late_as
 from .paper_method import calibrate_as_paper
 from .reading import Reading
 from .refine.refine import Refined, known_share, refine
+from .scatter import as_scattered
 
 Method = Literal["exact", "paper"]
 SIMULATED = 25e6  # pixels times images of light: as much as the command has time for
@@ -203,11 +204,14 @@ def _with_camera(
     rows, columns = cut
     if (rows.stop - rows.start, columns.stop - columns.start) == inspection.footage.frames.shape[1:]:
         parameters, frames = with_frames_of(inspection, scene, footage, parameters, seed, report)
+        again = filmed(footage, scene, parameters, seed) if frames else footage.events
+        parameters, scatter = as_scattered(footage, again, parameters)
+        notes += [words for words in (frames, scatter) if words]
     else:
-        frames = (
+        notes.append(
             "what the camera's frames do was not fitted: of so long a recording only the middle is looked at"
         )
-    return parameters, [*notes, frames] if frames else notes
+    return parameters, notes
 
 
 def _shortened(footage: Footage, reading: Reading, cut: tuple[slice, slice]) -> tuple[Footage, Scene]:

@@ -22,10 +22,10 @@ def exposure_times(
         return float(exposure_us[0, 0]), float(np.median(exposure_us[:, 1] - exposure_us[:, 0]))
     period_us, origin_us = float(np.median(np.diff(frame_t_us))), float(frame_t_us[0])
     since_us, on = events["t"] - origin_us, events["p"]
-    begin, _ = _crowd(since_us[on], period_us)
+    begin, _ = crowd(since_us[on], period_us)
     off_us, row = since_us[~on], events["y"][~on]
     end, _ = max(
-        (_crowd(off_us - per_row_us * row, period_us) for per_row_us in (0.0, row_us)), key=lambda one: one[1]
+        (crowd(off_us - per_row_us * row, period_us) for per_row_us in (0.0, row_us)), key=lambda one: one[1]
     )
     length_us = (end - begin) % 1.0 * period_us
     if length_us > period_us / 2:  # a line that goes down for the exposure: OFF events come first
@@ -34,7 +34,7 @@ def exposure_times(
     return origin_us + begin * period_us, length_us if told else None
 
 
-def _crowd(t_us: NDArray[np.float64], period_us: float) -> tuple[float, int]:
+def crowd(t_us: NDArray[np.float64], period_us: float) -> tuple[float, int]:
     """The phase (0 to 1) of a period at which most events come, and how many come within NEAR_US of it."""
     bins = max(8, int(period_us / NEAR_US))
     phase = (t_us % period_us) / period_us

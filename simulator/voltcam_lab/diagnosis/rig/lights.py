@@ -1,14 +1,11 @@
 """Light that the frames of a recording may have been taken of."""
 
-from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter
-
-from voltcam_simulator import Simulator
 
 from ...light.between_frames import CURVES
 from ...light.known import Events, KnownLight
@@ -68,22 +65,6 @@ def known_light(scene: Scene, events: Events) -> KnownLight:
 def _known_to(scene: Scene, tolerance: float) -> KnownLight:
     known = scene.known(tolerance).all_around()
     return replace(known, gaps=known.gaps & (scene.bow < tolerance))
-
-
-def run_up(
-    simulator: Simulator, images: Sequence[LightImage] | LightImage, times_us: Sequence[int], lead_in_us: int,
-    there_us: int = 0,
-) -> None:  # fmt: skip
-    """Show a simulator what comes before the first of the images: what comes after it, backwards.
-
-    A scene that moves has moved before, and voltages tell of that until a pixel's first event. there_us: the
-    camera has been there for so long at least, and has seen a still scene before.
-    """
-    begin_us = times_us[0]
-    last = bisect_right(times_us, begin_us + lead_in_us) - 1
-    simulator.advance(images[last], min(2 * begin_us - times_us[last] - 1, begin_us - there_us))
-    for k in range(last, 0, -1):
-        simulator.advance(images[k], 2 * begin_us - times_us[k])
 
 
 def _hidden_by_rounding(scene: Scene, version: int) -> NDArray[np.float16]:

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from voltcam_simulator import EVENT, Parameters, Simulator
 
+from ...models.run_up import run_up
 from ...statistics import COUNTS, Setting, Values, observe
 from ..catalogue.entries import acts_across_columns, lead_in_us
-from .lights import light_behind, run_up
+from .lights import light_behind
 from .settings import DEFAULT_RIG, RigSettings
 
 Events = NDArray[np.void]

@@ -17,9 +17,10 @@ from ...dependence.told_apart import STEPS, Telling, ToldApart, told_apart
 from ...distances import FrameLight
 from ...light.known import KnownLight
 from ...light.scene import Scene
+from ...models.run_up import run_up
 from ...recordings import Footage
 from ..catalogue.entries import lead_in_us
-from .lights import known_light, light_behind, run_up
+from .lights import known_light, light_behind
 from .settings import RigSettings
 
 SEEDS = 1 << 19  # of these runs, away from those of the search

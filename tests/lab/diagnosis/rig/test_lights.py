@@ -1,16 +1,15 @@
 """Light that frames may have been taken of."""
 
 from dataclasses import replace
-from unittest.mock import create_autospec
 
 import numpy as np
 import pytest
 from scipy.ndimage import maximum_filter
 
-from voltcam_lab.diagnosis.rig.lights import known_light, light_behind, run_up
+from voltcam_lab.diagnosis.rig.lights import known_light, light_behind
 from voltcam_lab.diagnosis.rig.settings import DEFAULT_RIG
 from voltcam_lab.light.scene import How, scene_of
-from voltcam_simulator import EVENT, Parameters, Simulator
+from voltcam_simulator import EVENT
 
 
 def frames() -> tuple[np.ndarray, np.ndarray]:
@@ -108,40 +107,6 @@ def test_what_rounding_hides_is_in_each_version_and_in_none_on_average() -> None
     assert versions[0] == pytest.approx(rounding[0], abs=2e-3)
     assert versions[2] == pytest.approx(rounding[1], abs=2e-3)
     assert np.mean(versions, axis=0) == pytest.approx(np.zeros_like(taken), abs=1e-3)
-
-
-@pytest.mark.parametrize(("lead_in_us", "there_us", "wanted"), [
-    (250, 0, [(2, -251), (2, -250), (1, -100)]),
-    (249, 0, [(1, -101), (1, -100)]),
-    (0, 0, [(0, -1)]),
-    (250, 900, [(2, -900), (2, -250), (1, -100)]),
-])  # fmt: skip
-def test_a_camera_has_seen_backwards_what_comes(
-    lead_in_us: int, there_us: int, wanted: list[tuple[int, int]]
-) -> None:
-    """Images 0 to 3, whose grey levels are their numbers."""
-    images = np.broadcast_to(np.arange(4, dtype=np.float32)[:, None, None], (4, 2, 2))
-    simulator = create_autospec(Simulator, instance=True)
-    run_up(simulator, images, [0, 100, 250, 300], lead_in_us, there_us)
-    shown = [(int(call.args[0][0, 0]), call.args[1]) for call in simulator.advance.call_args_list]
-    assert shown == wanted
-
-
-def test_pixels_of_a_moving_scene_do_not_begin_as_those_of_a_still_one() -> None:
-    """Light that has risen before it falls: the first event of a pixel tells where its voltage was."""
-    t_us = np.arange(0, 1_000_001, 10_000)
-    level = 60 * np.exp(0.9 * t_us * 1e-6)  # rises by 4 thresholds; mirrored, it falls before
-    images = np.tile(level[:, None, None], (1, 12, 12)).astype(np.float32)
-    parameters = Parameters.of("paper").changed({"contrast_response": {"k1": 5.0, "k2_dn": 0.5}})
-    first_us = []
-    for lead_in_us in (0, 500_000):
-        simulator = Simulator(12, 12, parameters, seed=1)
-        run_up(simulator, images, t_us.tolist(), lead_in_us)
-        events = np.concatenate([simulator.advance(*one) for one in zip(images, t_us.tolist(), strict=True)])
-        events = events[(events["t"] > 0) & events["p"]]
-        pixel = events["y"].astype(int) * 12 + events["x"]
-        first_us.append(np.median(events["t"][np.unique(pixel, return_index=True)[1]]))
-    assert first_us[1] > first_us[0] + 50_000  # it has to come back from where it fell to
 
 
 def test_noisier_light_has_all_errors_larger_by_the_same() -> None:
