@@ -12,7 +12,8 @@ from voltcam_simulator.effect import Events
 from ..health.exposure_times import crowd
 from ..recordings import Footage
 
-BIN_US, NEAR_US, FAR_US = 5.0, 150.0, 400.0  # a scan is looked for within NEAR_US, what is no scan beyond
+BIN_US, NEAR_US, FAR_US = 2.0, 150.0, 400.0  # a scan is looked for within NEAR_US, what is no scan beyond
+SIGMA = 0.158655  # of a normal law, below one standard deviation from its mean
 FEWEST = 100  # events of a scan that tell its width
 
 
@@ -55,5 +56,6 @@ def _variance(late_us: NDArray[np.float64]) -> float | None:
     excess = counts[near] - counts[~near].mean()
     if excess.sum() < FEWEST:
         return None
-    middle = (excess @ middles[near]) / excess.sum()
-    return float(max(excess @ (middles[near] - middle) ** 2 / excess.sum(), 0.0))
+    total = np.cumsum(excess) / excess.sum()
+    low, high = (float(middles[near][np.argmax(total >= share)]) for share in (SIGMA, 1 - SIGMA))
+    return (high - low) ** 2 / 4  # by quantiles: few events far off, that are no scan's, must not count
