@@ -3,6 +3,8 @@
 A row's line goes up at once for all of its pixels, so what spreads their stamps is the camera's jitter.
 """
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -25,15 +27,14 @@ def as_scattered(
 
     simulated: with the parameters, of the same scene; their `aps_coupling` makes the scan.
     """
-    widths = [scan_variance(one, footage, parameters) for one in (footage.events, simulated)]
-    if None in widths:
+    real, made = (scan_variance(one, footage, parameters) for one in (footage.events, simulated))
+    if real is None or made is None:
         return parameters, None
-    real, made = (float(width or 0.0) for width in widths)
-    jitter_us = np.sqrt(max(real - made + parameters.latency.jitter_us**2, 0.0))
+    jitter_us = math.sqrt(max(real - made + parameters.latency.jitter_us**2, 0.0))
     if jitter_us < 1:
         return parameters, None
-    words = f"events of one row's reading scatter by {np.sqrt(real):.0f} us: a jitter of {jitter_us:.0f} us"
-    return parameters.changed({"latency": {"jitter_us": round(float(jitter_us), 1)}}), words
+    words = f"events of one row's reading scatter by {math.sqrt(real):.0f} us: a jitter of {jitter_us:.0f} us"
+    return parameters.changed({"latency": {"jitter_us": round(jitter_us, 1)}}), words
 
 
 def scan_variance(events: Events, footage: Footage, parameters: Parameters) -> float | None:
