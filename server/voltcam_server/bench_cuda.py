@@ -7,7 +7,7 @@ from typing import Any
 
 from voltcam_simulator import Parameters, Simulator
 
-from .bench_figure import REPEATS, Figure, Frames
+from .bench_figure import REPEATS, Figure
 from .bench_scene import moving
 
 SIZES = {"640x480": (640, 480, 60), "1280x720": (1280, 720, 40), "4096x4096": (4096, 4096, 4)}  # frames
@@ -34,23 +34,23 @@ def cuda_speed(name: str, parameters: Parameters, width: int, height: int, count
     frames = moving(count, width, height)
     simulator = Simulator(width, height, parameters, seed=1, device="cuda")
     return [
-        _rate(f"{name}, frames on the host", simulator, frames, frames[:1], simulator.advance, len),
+        _rate(f"{name}, frames on the host", simulator, frames, simulator.advance, len),
         _rate(
-            f"{name}, frames on the device", simulator, [upload(frame) for frame in frames], frames[:1],
+            f"{name}, frames on the device", simulator, [upload(frame) for frame in frames],
             simulator.advance_on_device, _number,
         ),
     ]  # fmt: skip
 
 
 def _rate(
-    name: str, simulator: Simulator, frames: Any, first: Frames, advance: Callable[[Any, int], Any],
+    name: str, simulator: Simulator, frames: Any, advance: Callable[[Any, int], Any],
     number: Callable[[Any], int],
 ) -> Figure:  # fmt: skip
     """The first of the repeats compiles, and is left out."""
     t_us, rates, events = 0, [], 0
     pixels = (len(frames) - 1) * simulator.width * simulator.height
     for _ in range(REPEATS + 1):
-        simulator.jump(first[0], t_us)
+        simulator.jump(frames[0], t_us)
         begin, events = time.perf_counter(), 0
         for frame in frames[1:]:
             t_us += PERIOD_US

@@ -204,9 +204,10 @@ def _with_camera(
     rows, columns = cut
     if (rows.stop - rows.start, columns.stop - columns.start) == inspection.footage.frames.shape[1:]:
         parameters, frames = with_frames_of(inspection, scene, footage, parameters, seed, report)
-        again = filmed(footage, scene, parameters, seed) if frames else footage.events
-        parameters, scatter = as_scattered(footage, again, parameters)
-        notes += [words for words in (frames, scatter) if words]
+        if frames:
+            simulated = filmed(footage, scene, parameters, seed)
+            parameters, scatter = as_scattered(footage, simulated, parameters)
+            notes += [frames, scatter] if scatter else [frames]
     else:
         notes.append(
             "what the camera's frames do was not fitted: of so long a recording only the middle is looked at"
