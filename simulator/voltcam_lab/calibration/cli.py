@@ -5,12 +5,11 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from tqdm import tqdm
-
 from voltcam_simulator import Camera
 
 from ..health import inspect
 from ..recordings import load
+from ..steps import told_steps
 from .calibrate import CalibrationError
 from .camera_from import camera_from
 from .estimates import Estimate
@@ -59,7 +58,7 @@ A minute is good: some of it held still, some slow, some fast, from dark to brig
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Calibrate, with a bar on standard error; health and parameters go to standard output."""
+    """Calibrate, with each step on standard error; health and parameters go to standard output."""
     base = Camera.load(arguments.camera) if arguments.camera else None
     if not arguments.out.absolute().parent.is_dir():
         raise CalibrationError(
@@ -68,12 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
     inspection = inspect(load(arguments.recording))
     sys.stdout.write(inspection.health.text() + "\n\n")
     steps = STEPS[arguments.method] + (REFINING if arguments.refining and arguments.method == "exact" else 0)
-    with tqdm(total=steps, disable=None, leave=False, bar_format=BAR) as bar:
-
-        def progress(step: str) -> None:
-            bar.set_description_str(step)
-            bar.update()
-
+    with told_steps(BAR, steps) as progress:
         found = camera_from(
             inspection,
             name=arguments.out.stem[:100],

@@ -14,6 +14,7 @@ from ..distances import Region
 from ..health import Inspection, inspect
 from ..models.model import simulate
 from ..recordings import load
+from ..steps import told_steps
 from .contenders import contenders
 from .evaluate import Evaluation, judged, yardstick_of
 from .folds import folds, pooled, pooled_region
@@ -42,19 +43,19 @@ examples:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Evaluate, with a bar on standard error; the verdicts go to standard output. What cannot be evaluated is
-    a note on the page, and a line on standard error."""
+    """Evaluate, with each step on standard error; the verdicts go to standard output. What cannot be evaluated
+    is a note on the page, and a line on standard error."""
     evaluations, notes = [], []
-    with tqdm(bar_format="{desc} [{elapsed}]", disable=None, leave=False) as bar:
-        bar.set_description_str("reading")
+    with told_steps("{desc} [{elapsed}]") as step:
+        step("reading")
         inspections = {path: inspect(load(path)) for path in arguments.recordings}
         # Whether all of them can be judged is known before the long work on the first.
         wholes = {path: yardstick_of(each, str(path)).region for path, each in inspections.items()}
         for path, inspection in inspections.items():
             name = path.absolute().stem
 
-            def progress(step: str, name: str = name) -> None:
-                bar.set_description_str(f"{name}: {step}")
+            def progress(text: str, name: str = name) -> None:
+                step(f"{name}: {text}")
 
             try:
                 done, told = _evaluated(inspection, wholes[path], name, progress)
@@ -66,7 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
                 verdict = [f"  {line.replace('**', '')}" for line in done.verdict()]
                 tqdm.write("\n".join([f"{name}:", *verdict]))
             notes += [f"{name}: {each}" for each in told]
-        page = write_evaluation(evaluations, arguments.out, notes, bar.set_description_str)
+        page = write_evaluation(evaluations, arguments.out, notes, step)
     sys.stdout.write(f"{page} written\n")
     return 0
 

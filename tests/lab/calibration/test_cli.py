@@ -45,8 +45,9 @@ def test_a_recording_gives_a_camera_and_a_report(
     recording = written(tmp_path / "walk.npz", *made)
     out, report = tmp_path / "mine.yaml", tmp_path / "report"
     assert calibrated(recording, "--out", out, "--report", report, "--temperature", 40) == 0
-    said = capsys.readouterr().out
+    said, steps = capsys.readouterr()
     assert said.startswith("This recording can be used")
+    assert "s: report\n" in steps
     for word in ("contrast_response.k1", "90 % interval", "correlated", "behave", f"{out} written"):
         assert word in said
     camera = Camera.load(out)

@@ -40,7 +40,9 @@ def test_the_command_writes_the_page_and_its_figures(
     cli_evaluate.configure(parser)
     arguments = parser.parse_args([str(tmp_path / "waves.npz"), "--out", str(tmp_path / "docs")])
     assert arguments.run(arguments) == 0
-    assert "W1: exact is closest" in capsys.readouterr().out
+    said = capsys.readouterr()
+    assert "W1: exact is closest" in said.out
+    assert "s: waves: distances of exact\n" in said.err
     text = (tmp_path / "docs" / "evaluation.md").read_text(encoding="utf-8")
     assert "waves: esim: no" in text
     assert "the later part was not judged: waves has too few frames" in text
