@@ -43,8 +43,8 @@ examples:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Evaluate, with each step on standard error; the verdicts go to standard output. What cannot be evaluated
-    is a note on the page, and a line on standard error."""
+    """Evaluate, with each step on standard error; verdicts go to standard output. What cannot be evaluated is
+    a note on the page, and a line on standard error."""
     evaluations, notes = [], []
     with told_steps("{desc} [{elapsed}]") as step:
         step("reading")
