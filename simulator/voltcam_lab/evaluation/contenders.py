@@ -43,6 +43,11 @@ def contenders(
     def thresholds(model: str, parameters: AnyParameters | None = None) -> AnyParameters:
         return with_fitted_thresholds(model, scene, on, seen.size - on, parameters, SEED, fitting.of)
 
+    def as_paper() -> AnyParameters:
+        fitted = calibrate_as_paper(recording.events, scene, fitting.pixels, masked)
+        notes.extend(f"paper, calibrated: {note}" for note in fitted.notes)
+        return fitted.parameters
+
     published, ideal = Parameters.of("paper"), Parameters.of("ideal")
     start: AnyParameters
     try:
@@ -59,10 +64,7 @@ def contenders(
     ways: dict[str, tuple[str, Callable[[], AnyParameters]]] = {
         "exact, calibrated": ("exact", lambda: refined.parameters),
         "exact, by likelihood alone": ("exact", lambda: start),
-        "paper, calibrated": (
-            "paper",
-            lambda: calibrate_as_paper(recording.events, scene, fitting.pixels, masked).parameters,
-        ),
+        "paper, calibrated": ("paper", as_paper),
         "paper, thresholds fitted": ("paper", lambda: thresholds("paper", published)),
         "esim, thresholds fitted": ("esim", lambda: thresholds("esim")),
         "v2e, thresholds fitted": ("v2e", lambda: thresholds("v2e")),

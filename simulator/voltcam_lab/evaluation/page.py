@@ -89,7 +89,8 @@ def _of_recording(evaluation: Evaluation, folder: Path) -> str:
     shown = dict(list(evaluation.simulated.items())[:MOST_IN_FIGURE])
     intervals = {name: same_polarity(events, region) for name, events in {"real": real, **shown}.items()}
     models = {name: intervals[name] for name in shown}
-    window = busiest(real, width, height)
+    judged = {name: region.of(events) for name, events in {"real": real, **shown}.items()}
+    window = busiest(judged["real"], width, height)
     strata = IntervalStrata.of(intervals["real"], yardstick.light)
     figures = {
         "distances": (
@@ -97,9 +98,10 @@ def _of_recording(evaluation: Evaluation, folder: Path) -> str:
             f"How far each model is from real events, by {', '.join(HEADLINES)}. Left is better.",
         ),
         "clouds": (
-            clouds({"real": real, **shown}, intervals, window, width, height),
-            "The paper's Fig. 5. Top: events of the busiest 64 x 64 pixels. Middle: time surface, decay "
-            "3.0 ms. Bottom: density of the intervals between events of a pixel and polarity, real in grey.",
+            clouds(judged, intervals, window),
+            "The paper's Fig. 5, of events that are judged. Top: the busiest 64 x 64 pixels. Middle: their "
+            "time surface at its fullest, decay 3.0 ms. Bottom: density of the intervals between events of a "
+            "pixel and polarity, real in grey.",
         ),
         "intervals": (
             interval_histograms(intervals["real"], models, strata),

@@ -1,7 +1,7 @@
 """Events of several models beside real ones: the paper's Fig. 5."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -36,6 +36,14 @@ class Window:
         inside: Events = part[(x >= 0) & (x < self.side) & (y >= 0) & (y < self.side)]
         return inside
 
+    def fullest_us(self, events: Events) -> int:
+        """The instant in it just before which most of its events come; its end without any."""
+        t_us = self.of(events)["t"]
+        if not t_us.size:
+            return self.begin_us + self.span_us
+        recent = np.arange(t_us.size) - np.searchsorted(t_us, t_us - int(DECAY_US))
+        return int(t_us[np.argmax(recent)]) + 1
+
 
 def busiest(events: Events, width: int, height: int) -> Window:
     """The window in which most happens."""
@@ -57,14 +65,14 @@ def busiest(events: Events, width: int, height: int) -> Window:
 
 
 @styled
-def clouds(
-    streams: Mapping[str, Events], intervals: Mapping[str, Intervals], window: Window, width: int, height: int
-) -> Figure:
-    """streams, intervals: by name, the real one first. A column each: the cloud; the time surface with 3.0 ms
-    decay at the window's end; the density of same-pixel same-polarity intervals, the real one's in grey."""
+def clouds(streams: Mapping[str, Events], intervals: Mapping[str, Intervals], window: Window) -> Figure:
+    """streams, intervals: by name, the real one first. A column each: the cloud; the window's time surface
+    with 3.0 ms decay, when it has most real events; the density of same-pixel same-polarity intervals, the
+    real one's in grey."""
     figure = Figure((2.15 * len(streams), 6.3), layout="constrained")
     rows: Any = figure.subfigures(3, 1, height_ratios=[1.15, 0.9, 0.9])
     real, *_ = intervals.values()
+    surface_us = window.fullest_us(next(iter(streams.values())))
     colour = colours(list(streams))
     surface: Any = None
     cloud_axes = rows[0].subplots(1, len(streams), squeeze=False, subplot_kw={"projection": "3d"})[0]
@@ -74,7 +82,7 @@ def clouds(
         part = window.of(events)
         cloud_axes[column].set_title(f"{name}\n{_in_words(part.size)}", fontsize=9, loc="center")
         _cloud(cloud_axes[column], part, window)
-        image = time_surface(events, window.begin_us + window.span_us, width, height)
+        image = time_surface(events, surface_us, window)
         surface = surfaces[column].imshow(image, cmap=ON_OFF, vmin=-1, vmax=1, interpolation="nearest")
         surfaces[column].set_xticks([])
         surfaces[column].set_yticks([])
@@ -86,14 +94,15 @@ def clouds(
     return figure
 
 
-def time_surface(events: Events, t_us: int, width: int, height: int) -> NDArray[np.float64]:
-    """(H, W): exp(-age / 3.0 ms) of each pixel's last event before t_us, negative for OFF, 0 without one."""
-    first, last = np.searchsorted(events["t"], [t_us - int(10 * DECAY_US), t_us])
-    part = events[first:last]
-    image = np.zeros((height, width))
+def time_surface(events: Events, t_us: int, window: Window) -> NDArray[np.float64]:
+    """(side, side) of the window: exp(-age / 3.0 ms) of each pixel's last event before t_us, negative for
+    OFF, 0 without one."""
+    span_us = int(10 * DECAY_US)
+    part = replace(window, begin_us=t_us - span_us, span_us=span_us).of(events)
+    image = np.zeros((window.side, window.side))
     sign = np.where(part["p"], 1.0, -1.0)
-    image[part["y"], part["x"]] = sign * np.exp((part["t"] - t_us) / DECAY_US)  # the last one stays
-    return image
+    image[part["y"] - window.y, part["x"] - window.x] = sign * np.exp((part["t"] - t_us) / DECAY_US)
+    return image  # of several events the last one stays
 
 
 def _cloud(axes: Any, events: Events, window: Window) -> None:

@@ -1,5 +1,7 @@
 """Clouds of events: which part is shown, time surfaces, and what the figure has in it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -13,11 +15,28 @@ from voltcam_simulator import EVENT
 
 def test_a_time_surface_is_each_pixels_last_event_decayed() -> None:
     events = np.array(
-        [(1000, 1, 2, True), (4000, 1, 2, False), (7000, 3, 0, True), (7500, 0, 0, True)], EVENT
+        [
+            (1000, 11, 6, True),
+            (4000, 11, 6, False),
+            (5000, 9, 6, True),
+            (7000, 13, 4, True),
+            (7500, 10, 4, True),
+        ],
+        EVENT,
     )
-    surface = time_surface(events, 7000, 4, 3)  # the last two are not before it
+    # One is beside the window, the last two are not before the instant.
+    surface = time_surface(events, 7000, Window(0, 10, 4, side=4))
     assert surface[2, 1] == pytest.approx(-np.exp(-1))
     assert np.count_nonzero(surface) == 1
+
+
+def test_a_window_is_fullest_behind_its_densest_events() -> None:
+    events = np.zeros(60, EVENT)
+    events["t"] = np.concatenate([np.arange(40) * 1000, 40_000 + np.arange(20) * 10])
+    window = Window(0, 0, 0)
+    assert window.fullest_us(events) == events["t"][-1] + 1
+    assert replace(window, span_us=40_000).fullest_us(events) <= 40_000
+    assert window.fullest_us(events[:0]) == window.span_us
 
 
 def test_the_busiest_window_is_where_events_are() -> None:
@@ -52,11 +71,11 @@ def test_each_stream_has_its_cloud_its_surface_and_its_density() -> None:
     real, simulated = some_events(1), some_events(2)
     own = {name: same_polarity(events, REGION) for name, events in (("real", real), ("exact", simulated))}
     window = busiest(real, WIDTH, HEIGHT)
-    figure = clouds({"real": real, "exact": simulated}, own, window, WIDTH, HEIGHT)
+    figure = clouds({"real": real, "exact": simulated}, own, window)
     assert with_data(figure) == 2 + 2 + 3  # the real density is behind the other, too
     surfaces = [np.asarray(image.get_array()) for axes in figure.get_axes() for image in axes.images]
-    end_us = window.begin_us + window.span_us
     for image, events in zip(surfaces, (real, simulated), strict=True):
-        np.testing.assert_allclose(image, time_surface(events, end_us, WIDTH, HEIGHT))
+        assert np.any(image)
+        np.testing.assert_allclose(image, time_surface(events, window.fullest_us(real), window))
     titles = {axes.get_title() for axes in figure.get_axes()}
     assert {f"real\n{window.of(real).size} events", f"exact\n{window.of(simulated).size} events"} <= titles
