@@ -1,7 +1,7 @@
 """A recording in, the parameters of its camera out, each with an interval and with what it rests on."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,9 +31,9 @@ class CalibrationError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """Parameters of the camera, and all that a report says of them. delay_us: how late events are, before 0
-    where they come before the frames' times. reading: what was fitted, a sample of the pixels; events: how
-    many of theirs end an interval."""
+    """Parameters of the camera, and all that a report says of them. reading: what was fitted, a sample of the
+    pixels, with light on the events' clock; delay_us: how late events are on it, before 0 where they come
+    before their light; events: how many end an interval."""
 
     parameters: Parameters
     estimates: tuple[Estimate, ...]
@@ -45,14 +45,17 @@ class Calibration:
     events: int
 
 
-def calibrate(reading: Reading, seed: int = 0, report: Report = lambda step: None) -> Calibration:
+def calibrate(
+    reading: Reading, seed: int = 0, report: Report = lambda step: None, clocks_apart_us: float = 0.0
+) -> Calibration:
     """The camera's parameters: likeliest under the exact first-passage law, freed of bias by twins.
 
+    clocks_apart_us: how much later the light is than its frames say, on the clock of the events.
     Raises CalibrationError where there are too few intervals to fit.
     """
     rng = np.random.default_rng(seed)
     report("light")
-    reading = reading.prepared()
+    reading = replace(reading, scene=reading.scene.later(clocks_apart_us)).prepared()
     events = int(np.count_nonzero(reading.intervals(0.0, 0.0)["end"]))
     if events < FEWEST:
         raise CalibrationError(
@@ -74,7 +77,7 @@ def calibrate(reading: Reading, seed: int = 0, report: Report = lambda step: Non
     noise = noise_shares(log, found.covariance * np.outer(scale, scale))
     values = named(log) | {"k3": noise.value[0], "k6": noise.value[1]}
     return Calibration(
-        parameters=likelihood_parameters(values, dead_us, delay_us),
+        parameters=likelihood_parameters(values, dead_us, delay_us + clocks_apart_us),
         estimates=estimates_of(log, sd, noise),
         correlations=correlations(found.covariance, noise),
         delay_us=delay_us,

@@ -22,7 +22,7 @@ from .bus import as_read
 from .calibrate import Calibration, CalibrationError, calibrate
 from .camera_frames import filmed, with_frames_of
 from .estimates import Estimate
-from .lateness import as_late_as
+from .lateness import as_late_as, clocks_apart_us
 from .paper_method import calibrate_as_paper
 from .reading import Reading
 from .refine.refine import Refined, known_share, refine
@@ -122,7 +122,7 @@ def camera_from(
             raise CalibrationError(str(error)) from error
         parameters, notes = fitted.parameters, notes + list(fitted.notes)
     else:
-        found = calibrate(reading, seed, report)
+        found = calibrate(reading, seed, report, clocks_apart_us(inspection.lag))
         estimates = found.estimates
         notes += _notes_of(found)
         alone = base.parameters.changed(_own(found.parameters)) if base and refining else found.parameters
@@ -312,10 +312,6 @@ def _notes_of(found: Calibration) -> list[str]:
     ]
     for (first, second), value in found.correlations.items():
         notes.append(f"{first} and {second} are correlated {value:+.2f}")
-    if found.delay_us < 0:
-        notes.append(
-            f"events come {-found.delay_us:.0f} us before the light of the frames: latency is set to 0"
-        )
     guessed = [f"{one.effect}.{one.parameter}" for one in found.estimates if one.rests_on == "prior"]
     if guessed:
         notes.append(

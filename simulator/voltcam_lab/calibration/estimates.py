@@ -57,7 +57,7 @@ def likelihood_parameters(values: dict[str, float], dead_us: float, delay_us: fl
     ratio = float(np.sqrt(values["on_over_off"]))
     changes["comparator"] = {"theta_on": ratio, "theta_off": 1 / ratio}
     changes["refractory_period"] = {"period_us": dead_us}
-    changes["latency"] = {"delay_us": max(delay_us, 0.0)}
+    changes["latency"] = {"delay_us": delay_us}
     return Parameters().changed(changes)
 
 

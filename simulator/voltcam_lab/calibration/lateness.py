@@ -5,13 +5,26 @@ from dataclasses import replace
 from voltcam_simulator import Parameters
 
 from ..health import inspect
-from ..health.lag import find_lag
+from ..health.lag import Lag, find_lag
 from ..light.scene import Scene
 from ..models.model import MODELS, simulate
 from ..recordings import Footage
 
 LONGEST_US = 100_000.0  # as early as a camera's events may be
+CAMERAS_US = 0.0, 12_000.0  # lags that are a camera's own: its low pass, latency and thresholds
+USUAL_US = 4_000.0  # such a lag
 ROUNDS = 2  # the lag does not follow the delay exactly, as events are compared with frames
+
+
+def clocks_apart_us(lag: Lag) -> float:
+    """By how much the frames' clock is off [us], where the lag is none that a camera has by itself; else 0.
+
+    Frames that a computer stamps when they arrive come tens of milliseconds after their light.
+    """
+    first_us, last_us = CAMERAS_US
+    if not lag.is_sure or first_us <= lag.lag_us <= last_us:
+        return 0.0
+    return float(lag.lag_us) - USUAL_US
 
 
 def as_late_as(footage: Footage, scene: Scene, parameters: Parameters, seed: int) -> tuple[Parameters, str]:

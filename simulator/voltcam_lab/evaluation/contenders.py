@@ -8,6 +8,7 @@ import numpy as np
 from voltcam_simulator import Parameters
 
 from ..calibration.calibrate import CalibrationError, Reading, calibrate
+from ..calibration.lateness import clocks_apart_us
 from ..calibration.paper_method import calibrate_as_paper
 from ..calibration.refine.refine import Refined, refine
 from ..distances import FrameLight, Region
@@ -52,7 +53,7 @@ def contenders(
     start: AnyParameters
     try:
         progress("fitting the likelihood")
-        start = calibrate(reading, report=progress).parameters
+        start = calibrate(reading, 0, progress, clocks_apart_us(inspection.lag)).parameters
     except CalibrationError as error:
         notes.append(f"exact, calibrated: refined from fitted thresholds, since {_line(error)}")
         start = thresholds("exact", ideal)

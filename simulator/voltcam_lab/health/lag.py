@@ -18,6 +18,7 @@ _CELLS = 600_000
 _EVENTS = 60_000
 _FARTHEST_US = 5_000_000
 _GROUPS = 8
+_SURE = 6.0  # standard deviations: the highest of hundreds of lags has about 4 by chance
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,11 @@ class Lag:
     reversed: float
     drift_ppm: float
     drift_uncertainty_ppm: float
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether the events follow the frames at all."""
+        return self.score >= _SURE
 
 
 def find_lag(subject: Subject) -> Lag:

@@ -21,7 +21,6 @@ _FEWEST_PER_CHANGE = 0.2  # events per change of ln L by 1: thresholds are 0.1 t
 _GAP_US = 5000
 _GAP_EVENTS = 50.0  # that the light makes expect in a gap: e^-50 by chance
 _REVERSED = 0.4  # correlation: light that comes again has some .2 the wrong way round
-_SURE = 6.0  # standard deviations of the lag search: its highest of hundreds by chance is about 4
 
 
 def light(subject: Subject) -> list[Finding]:
@@ -72,7 +71,7 @@ def clock(subject: Subject, lag: Lag) -> Finding:
         words = "the events follow the light with ON and OFF exchanged: turn their polarity round"
         return Finding("clock", "fatal", words, numbers)
     ms, error_ms, period_ms = lag.lag_us / 1000, lag.uncertainty_us / 1000, subject.period_us / 1000
-    if lag.score < _SURE:
+    if not lag.is_sure:
         if subject.light.changing_share < _STILL:
             return Finding("clock", "limits", "nothing moves, so the clocks cannot be compared", numbers)
         words = (

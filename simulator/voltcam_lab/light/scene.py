@@ -105,6 +105,11 @@ class Scene:
         """The same scene, and what rounding its frames has hidden."""
         return self._with(rounding=rounding)
 
+    def later(self, by_us: float) -> "Scene":
+        """The same scene, later by whole microseconds."""
+        us = round(by_us)
+        return self._with(taken_us=self.taken_us + us, t_us=self.t_us + us)
+
     def coarser(self) -> "Scene":
         """The same scene. Where images cut the time between two frames into an even number of steps, only the
         one in the middle is left of them, if chords then miss nearly all pixels by less than `CHORD`."""

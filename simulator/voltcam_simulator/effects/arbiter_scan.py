@@ -103,7 +103,7 @@ def look(
     t: Any, busy: Any, steepness: Any, most: Any, going: Any, counts: Any, burst: Any, clock: Any, draws: Any
 ) -> None:
     """Whether it goes round when an event comes at t [us], by the load up to then."""
-    burst[0] *= np.exp(-(t - clock[0]) / BURST_US)
+    burst[0] *= np.exp(-max(t - clock[0], 0) / BURST_US)  # times may begin before zero
     if burst[0] > most:
         going[0], clock[1] = False, -1
     for _ in range(min(t // SLOT_US - clock[0] // SLOT_US, SLOTS + 1)):

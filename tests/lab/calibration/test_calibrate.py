@@ -41,13 +41,26 @@ def test_noise_is_found_within_its_interval(fast: dict[str, Row]) -> None:
 
 
 @pytest.fixture(scope="module")
-def slow() -> Calibration:
+def half() -> Reading:
     """4 s at 25 fps, of which a calibration may use half the pixels and half the time."""
     reading, _ = reading_of(3, 25, 4.0)
     columns = np.arange(reading.keep.shape[1])
     keep = np.broadcast_to(columns // 8 % 2 == 0, reading.keep.shape)
     masked = np.array([[t, t + 500_000] for t in range(500_000, 4_000_000, 1_000_000)])
-    return calibrate(replace(reading, keep=keep, masked=masked), seed=3)
+    return replace(reading, keep=keep, masked=masked)
+
+
+@pytest.fixture(scope="module")
+def slow(half: Reading) -> Calibration:
+    return calibrate(half, seed=3)
+
+
+def test_frames_on_another_clock_change_nothing_but_the_delay(half: Reading, slow: Calibration) -> None:
+    stamped_late = replace(half, scene=half.scene.later(15_000))
+    found = calibrate(stamped_late, seed=3, clocks_apart_us=-15_000.0)
+    assert found.estimates == slow.estimates
+    delay_us = slow.parameters.latency.delay_us - 15_000
+    assert found.parameters == slow.parameters.changed({"latency": {"delay_us": delay_us}})
 
 
 def test_what_few_frames_do_not_determine_is_said(slow: Calibration) -> None:

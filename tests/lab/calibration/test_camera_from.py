@@ -80,7 +80,6 @@ def test_notes_say_what_was_fitted_and_what_may_be_wrong(plain: Calibrated) -> N
     text = "\n".join(plain.notes)
     for words in (
         "160 frames", "4321 intervals", "97% of these", "k1 and k2_dn are correlated",
-        "events come 250 us before the light of the frames: latency is set to 0",
     ):  # fmt: skip
         assert words in text
 

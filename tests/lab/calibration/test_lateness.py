@@ -2,8 +2,9 @@
 
 import pytest
 
-from voltcam_lab.calibration.lateness import as_late_as
+from voltcam_lab.calibration.lateness import USUAL_US, as_late_as, clocks_apart_us
 from voltcam_lab.health import inspect
+from voltcam_lab.health.lag import Lag
 from voltcam_lab.light.scene import scene_of
 from voltcam_lab.models.model import MODELS, simulate
 from voltcam_lab.recordings import Footage
@@ -45,3 +46,17 @@ def test_a_camera_without_events_keeps_its_delay(late: tuple[Footage, object]) -
     footage, scene = late
     blind = CAMERA.changed({"comparator": {"theta_on": 90.0, "theta_off": 90.0}})
     assert as_late_as(footage, scene, blind, seed=1)[0] == blind  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("lag_us", "score", "apart_us"),
+    [
+        (500.0, 30.0, 0.0),  # a camera's own
+        (11_000.0, 30.0, 0.0),
+        (-14_000.0, 30.0, -14_000 - USUAL_US),  # frames stamped as they arrive
+        (25_000.0, 30.0, 25_000 - USUAL_US),
+        (-14_000.0, 3.0, 0.0),  # chance
+    ],
+)
+def test_clocks_are_apart_by_a_lag_that_no_camera_has(lag_us: float, score: float, apart_us: float) -> None:
+    assert clocks_apart_us(Lag(lag_us, 500.0, 0.9, score, 0.1, 0.0, 100.0)) == apart_us

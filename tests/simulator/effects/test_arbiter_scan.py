@@ -76,14 +76,17 @@ def watched(parameters: Parameters, seed: int, ms: int) -> Events:
     return watch_still(Simulator(WIDTH, HEIGHT, parameters, seed=seed), 50, ms / 1000, 200)
 
 
+@pytest.mark.parametrize("begin_us", [0, -500_000, 1_700_000_000_000_000])
 @pytest.mark.parametrize(("burst_per_us", "ends"), [(1.0, True), (1000.0, False)])
-def test_a_burst_ends_rounds_for_four_milliseconds(burst_per_us: float, ends: bool) -> None:
+def test_a_burst_ends_rounds_for_four_milliseconds(burst_per_us: float, ends: bool, begin_us: int) -> None:
     scan = AT_ONCE | {"burst_per_us": burst_per_us}
     simulator = Simulator(WIDTH, HEIGHT, STORM.changed({"arbiter_scan": scan}), seed=2)
     frames = [(50, 0), (50, 20_000), (250, 20_100), (250, 40_000)]
-    going = scanned_by_ms(
-        np.concatenate([simulator.advance(still(grey, WIDTH, HEIGHT), t) for grey, t in frames])
-    )
+    events = np.concatenate([
+        simulator.advance(still(grey, WIDTH, HEIGHT), begin_us + t) for grey, t in frames
+    ])  # fmt: skip
+    events["t"] -= begin_us
+    going = scanned_by_ms(events)
     assert not going[:4].any()
     assert going[5:20].all()
     assert going[21:24].any() != ends
