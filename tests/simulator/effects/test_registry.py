@@ -64,6 +64,41 @@ ALL_OF_THE_PIXEL = {
     "reset_noise": {"sigma": 0.1},
 }
 
+ALL_BEHIND_IT = {
+    "hot_pixels": {"fraction": 0.05, "rate_hz": 50},
+    "noise_pairs": {"rate_hz": 50, "interval_us": 1000},
+    "residual_kick": {"after_on": 0.4, "after_off": 0.4, "delay_us": 700},
+    "residual_coupling": {"after_on": 0.1, "after_off": 0.1, "delay_us": 700},
+    "crosstalk": {"coupling": 0.1},
+    "latency": {"delay_us": -5000, "jitter_us": 100},
+    "arbiter_scan": {"round_us": 252, "busy_per_us": 0.01, "burst_per_us": 0.05},
+    "readout": {"row_us": 0.3, "event_us": 0.083},
+    "usb_overflow": {"max_rate_events_per_s": 1e4, "buffer_events": 50},
+    "timestamp_quantum": {"quantum_us": 7},
+}
+PERIODS_US = 20_160_000
+"""Of all that has a period above, a multiple."""
+
+
+@pytest.mark.parametrize("effect", sorted(ALL_OF_THE_PIXEL | ALL_BEHIND_IT))
+def test_a_time_line_may_begin_before_zero(effect: str) -> None:
+    """Kicks that come later draw by the time of the event: their counts have 2 sd of Poisson here."""
+    parameters = Parameters().changed({effect: (ALL_OF_THE_PIXEL | ALL_BEHIND_IT)[effect]})
+    image = np.random.default_rng(0).integers(0, 256, (24, 140)).astype(np.float32)
+
+    def run(begin_us: int) -> np.ndarray:
+        simulator = Simulator(30, 24, parameters, seed=1)
+        seen = [simulator.advance(image[:, k : k + 30], begin_us + 5000 * k) for k in range(40)]
+        events = np.concatenate(seen)
+        events["t"] -= begin_us
+        return events
+
+    usual, early = run(0), run(-PERIODS_US)
+    if effect in ("residual_kick", "residual_coupling"):
+        assert len(early) == pytest.approx(len(usual), abs=2 * np.sqrt(len(usual)))
+    else:
+        assert early.tobytes() == usual.tobytes()
+
 
 @pytest.mark.parametrize("law", ["exact", "paper"])
 def test_all_together_do_not_see_bands_and_survive_any_light(
