@@ -53,7 +53,8 @@ def contenders(
     start: AnyParameters
     try:
         progress("fitting the likelihood")
-        start = calibrate(reading, 0, progress, clocks_apart_us(inspection.lag)).parameters
+        apart_us = clocks_apart_us(inspection.lag)
+        start = calibrate(reading, report=progress, clocks_apart_us=apart_us).parameters
     except CalibrationError as error:
         notes.append(f"exact, calibrated: refined from fitted thresholds, since {_line(error)}")
         start = thresholds("exact", ideal)

@@ -58,14 +58,14 @@ class Evaluation:
         for name in HEADLINES:
             best = closest(self.rows, name)
             if best is None:
-                lines.append(f"{name}: too few events to say")
+                lines.append(f"{name}: too few events to say.")
                 continue
             value = self.rows[best][name]
             floor = next(
                 (row[name] for row in self.floors.values() if row.get(name, value) == row.get(name)), None
             )
             left = "" if floor is None else f", {gap(name, value, floor):.3g} from the floor {floor:.3g}"
-            lines.append(f"**{name}**: {best} is closest, {value:.3g}{left}")
+            lines.append(f"**{name}**: {best} is closest, {value:.3g}{left}.")
         return lines
 
 

@@ -30,15 +30,15 @@ more between them), and what it gives out is held against what the camera gave o
 
 {measures}
 
-In the first table of a recording, fitting and judging share neither a pixel nor a time: tiles of 24 x 24
-pixels, crossed with blocks of 400 ms, are judged that had no part in any fit (of a recording with few events
-all four quarters, each by the fit on the quarter opposite). The light between frames, the same for all
+In the first table of a recording, fitting and judging share neither a pixel nor a time. Tiles of 24 x 24
+pixels, crossed with blocks of 400 ms, are judged that had no part in any fit. Of a recording with few events
+these are all four quarters, each by the fit on the quarter opposite. The light between frames, the same for all
 models, is part of the fit of the exact law. Windows around the exposures of frames, in which the camera's own
 readout makes events, are cut out of both streams, and hot pixels left out.
 
 The tables "first part against later part" are of a camera that `voltcam calibrate` has made of the first 60 %
-of the time (more of a short recording), judged on the rest: once with windows cut out, once with all events,
-as a user of the emulator sees them.
+of the time, or more of a short recording. It is judged on the rest, once with windows cut out. The second time
+all events count, as a user of the emulator sees them.
 
 The last two rows of a table are real events against real events of the same recording: other pixels (a
 checkerboard) and other times (every other 100 ms). No simulation can be expected to come closer than that.
@@ -59,7 +59,7 @@ def write_evaluation(
     """Write out/evaluation.md and its figures, out/evaluation/*.png. Returns the page's path."""
     folder = out / "evaluation"
     folder.mkdir(parents=True, exist_ok=True)
-    measures = "\n".join(f"- **{m.name}**: {m.title} [{m.unit}]{_best(m.best)}" for m in MEASURES.values())
+    measures = "\n".join(f"- **{m.name}**: {m.title} [{m.unit}]{_best(m.best)}." for m in MEASURES.values())
     parts = [INTRODUCTION.format(measures=measures)]
     for evaluation in evaluations:
         progress(f"figures of {evaluation.name}")
@@ -87,9 +87,10 @@ def _of_recording(evaluation: Evaluation, folder: Path) -> str:
     region, real = yardstick.region, yardstick.real
     width, height = evaluation.recording.width, evaluation.recording.height
     shown = dict(list(evaluation.simulated.items())[:MOST_IN_FIGURE])
-    intervals = {name: same_polarity(events, region) for name, events in {"real": real, **shown}.items()}
+    streams = {"real": real, **shown}
+    intervals = {name: same_polarity(events, region) for name, events in streams.items()}
     models = {name: intervals[name] for name in shown}
-    judged = {name: region.of(events) for name, events in {"real": real, **shown}.items()}
+    judged = {name: region.of(events) for name, events in streams.items()}
     window = busiest(judged["real"], width, height)
     strata = IntervalStrata.of(intervals["real"], yardstick.light)
     figures = {
