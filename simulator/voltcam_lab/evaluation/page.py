@@ -33,8 +33,8 @@ more between them), and what it gives out is held against what the camera gave o
 In the first table of a recording, fitting and judging share neither a pixel nor a time. Tiles of 24 x 24
 pixels, crossed with blocks of 400 ms, are judged that had no part in any fit. Of a recording with few events
 these are all four quarters, each by the fit on the quarter opposite. The light between frames, the same for
-all models, is part of the fit of the exact law. Windows around the exposures of frames, in which the camera's own
-readout makes events, are cut out of both streams, and hot pixels left out.
+all models, is part of the fit of the exact law. Windows around the exposures of frames, in which the camera's
+own readout makes events, are cut out of both streams, and hot pixels left out.
 
 The tables "first part against later part" are of a camera that `voltcam calibrate` has made of the first 60 %
 of the time, or more of a short recording. It is judged on the rest, once with windows cut out. The second
