@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from voltcam_simulator.kernel import kernel
 
 Events = NDArray[np.void]
+SETTLED_US = 500_000
+"""How long voltages tell of light that is not known, at most, where no event came since. Measured: where the
+generator's light has just gone dark, pixels at rest give OFF events for 200 ms."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +59,16 @@ class KnownLight:
     def stretch(self, events: Events) -> NDArray[np.int32]:
         """(n,): `last_unknown` of each of n events that are `within`."""
         return self.last_unknown[self._places(events)]
+
+    def settled(self, events: Events) -> NDArray[np.bool_]:
+        """(n,): of events that are `within`, whether light that is not known cannot have made one: it is
+        SETTLED_US ago, or another of these events of the pixel came since."""
+        gap, pixel = self._places(events)
+        stretch = self.last_unknown[gap, pixel]
+        order = np.lexsort((events["t"], pixel))
+        first = np.ones(len(events), np.bool_)
+        first[order[1:]] = np.any(np.diff([pixel[order], stretch[order]]) != 0, axis=0)
+        return ~first | (events["t"] >= self.taken_us[stretch + 1] + SETTLED_US)
 
     def _places(self, events: Events) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
         """(n,) gaps, -1 outside of the frames, and (n,) pixels."""

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from voltcam_lab.light.known import SETTLED_US
 from voltcam_lab.statistics.halves import HALVES
 from voltcam_lab.statistics.setting import Setting
 from voltcam_lab.statistics.strata import INTENSITIES, REST, SLOPES
@@ -16,9 +17,6 @@ _CLASSES = np.divmod(np.arange(INTENSITIES * SLOPES, dtype=np.int32), SLOPES)  #
 NONE = -1
 """Interval of an event that has no other of its pixel before it."""
 _OF_PIXELS = ("ends", "between")  # of EventTable: has a place for each pixel, not a row for each event
-SETTLED_US = 500_000
-"""How long voltages tell of light that is not known, at most, where no event came since. Measured: where the
-generator's light has just gone dark, pixels at rest give OFF events for 200 ms."""
 
 
 @dataclass(frozen=True, eq=False)

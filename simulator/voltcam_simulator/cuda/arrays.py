@@ -23,6 +23,8 @@ _settings: Any = config
 SIMULATED: bool = bool(_settings.ENABLE_CUDASIM)
 THREADS = 128
 """Of a block: pixels have different amounts of work, so small blocks make room for others sooner."""
+FEWEST_BLOCKS = 1 if SIMULATED else 128
+"""Of a launch: for fewer, numba warns that they leave a device idle. Kernels look if they have a pixel."""
 REMEDY = "install a GPU driver and voltcam[cuda] (CUDA 13) or voltcam[cuda12], or leave device cuda out"
 
 
@@ -84,7 +86,7 @@ def launch(kernel: Any, threads: int, *groups: Any) -> None:
     """Run a kernel for that many threads; arrays only within groups."""
     if threads:
         with unfused():  # the first launch compiles
-            kernel[-(-threads // THREADS), THREADS](*groups)
+            kernel[max(-(-threads // THREADS), FEWEST_BLOCKS), THREADS](*groups)
 
 
 def in_order(keys: DeviceArray, bits: int) -> DeviceArray:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.light.known import KnownLight
+from voltcam_lab.light.known import SETTLED_US, KnownLight
 from voltcam_simulator import EVENT
 
 WIDTH, HEIGHT = 5, 4
@@ -55,6 +55,25 @@ def test_stretches_are_the_same_where_light_has_been_known_all_the_time(known: K
             for j in own:
                 first, last = sorted((gap_of(made["t"][i]), gap_of(made["t"][j])))
                 assert (stretch[i] == stretch[j]) == known.gaps[first : last + 1, p].all()
+
+
+def test_the_first_event_after_light_that_is_not_known_is_not_settled_unless_it_is_late() -> None:
+    """One pixel beside one whose light is known all the time; times in frames of SETTLED_US / 5."""
+    taken_us = np.arange(0, 21) * SETTLED_US // 5
+    gaps = np.ones((20, 2), np.bool_)
+    gaps[8, 0] = False
+    known = KnownLight(gaps, taken_us, 2)
+    rows = [(0, 1.5), (0, 1.7), (1, 3.0), (1, 6.0), (0, 9.5), (1, 9.5), (0, 9.6), (0, 16.0)]
+    made = np.zeros(len(rows), EVENT)
+    made["x"], made["t"] = [x for x, _ in rows], [at * SETTLED_US / 5 for _, at in rows]
+    wanted = [False, True, False, True, False, True, True, True]
+    assert known.settled(made).tolist() == wanted
+    backwards = np.argsort(-made["t"], kind="stable")
+    assert known.settled(made[backwards]).tolist() == np.array(wanted)[backwards].tolist()
+    alone = made[[4]].copy()
+    for at, late in ((13.9, False), (14.1, True)):  # half a second after light is known again
+        alone["t"] = at * SETTLED_US / 5
+        assert known.settled(alone).tolist() == [late]
 
 
 def test_everywhere_is_between_all_frames() -> None:

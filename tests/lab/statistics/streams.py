@@ -4,9 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voltcam_client.packet import EVENT
+from voltcam_lab.light.known import SETTLED_US
 from voltcam_lab.light.scene import scene_of
 from voltcam_lab.statistics import GROUPS, Setting, setting_of
-from voltcam_lab.statistics.stream import SETTLED_US, stream_of
+from voltcam_lab.statistics.stream import stream_of
 
 WIDTH, HEIGHT, PERIOD_US = 24, 18, 10_000
 PIXELS = WIDTH * HEIGHT

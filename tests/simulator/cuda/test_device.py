@@ -25,6 +25,30 @@ def test_without_a_device_one_line_says_what_to_do() -> None:
     assert "voltcam[cuda]" in last
 
 
+def test_numba_does_not_warn_of_a_small_launch() -> None:
+    """It does where a launch has fewer than 128 blocks: of a small sensor, of few events."""
+    code = """if True:
+        import warnings
+        from numba import cuda
+        from voltcam_simulator.cuda import arrays
+
+        class Launched:  # as the kernel of a device, but for the run
+            def __getitem__(self, shape):
+                blocks.append(shape[0])
+                cuda.jit(lambda: None)[shape]
+                return lambda: None
+
+        warnings.simplefilter("error")
+        blocks = []
+        for threads in (1, 128 * 128, 128 * 128 + 1, 1_000_000):
+            arrays.launch(Launched(), threads)
+        print(*blocks)
+    """
+    done = run("-c", code, NUMBA_ENABLE_CUDASIM="0")
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert done.stdout.split() == ["128", "128", "129", "7813"]
+
+
 def test_all_kernels_compile_for_a_device() -> None:
     """For compute capability 9.0, by NVIDIA's own compiler, which needs no GPU: without fused products, and
     without memory but a thread's own."""

@@ -7,7 +7,10 @@ import pytest
 from numpy.typing import NDArray
 
 from voltcam_simulator import Parameters, Simulator
+from voltcam_simulator.cuda.arrays import SIMULATED
 from voltcam_simulator.cuda.frames import ON_CUDA, device_image
+
+pytestmark = pytest.mark.skipif(not SIMULATED, reason="memory of these frames is the host's")
 
 
 class OnDevice:

@@ -8,16 +8,15 @@ import numpy as np
 
 from voltcam_simulator import Camera
 
-from ...dependence.told_apart import Telling
 from ...dependence.words import sentence as kind_in_words
 from ...statistics import COUNTS, LABELS
 from ..catalogue.candidate import Candidate
 from ..catalogue.entries import in_words, next_recording
 from ..residual.fit import GenericTerm
 from ..rig.clock import counted_from
-from ..rig.whole import NOTICEABLE
 from ..search.hypothesis import BASE
 from ..search.identify import Identifiability
+from ..search.left import more_than_light
 from ..search.loop import Diagnosis, Found
 from ..search.settings import DEFAULTS, SearchSettings
 from ..search.settings_proof import Reporting
@@ -65,7 +64,7 @@ def result_of(
         where=_strata(ranked(first, search.data), settings.reporting),
         where_after=_strata(ranked(last, search.data), settings.reporting),
         gap=Gap(before=first.held_out, after=last.held_out, floor=last.floor),
-        remains=_remains(diagnosis),
+        remains=_remains(diagnosis, settings),
         generic=[generic_of(term) for term in generic],
         identifiability=Identifiable(
             base=[
@@ -104,17 +103,16 @@ def sentence(diagnosis: Diagnosis, first: View, last: View, settings: SearchSett
     """The verdict in one; first and last are models before and after."""
     gap = f"the gap to the measurement on held-out data {_fell(first, last)}"
     step, residual = diagnosis.steps[-1], diagnosis.residual
-    left = step.excess > settings.unexplained
+    left = more_than_light(step, diagnosis.steps[0], diagnosis.remains, settings)
     form = "" if residual is None else f" A term of unknown origin, {residual.formula}, explains part of it."
     if diagnosis.verdict == "effects":
         names = " and ".join(dict.fromkeys(_with_rivals(found) for found in diagnosis.found))
         rest = " What is left has no name in the catalogue." if left else ""
         return f"The camera file lacks {names}. With that added, {gap}.{rest}{form}"
     if diagnosis.verdict == "none":
-        nothing = "No effect is missing" if _kinds_left(diagnosis) else "Nothing is missing"
         return (
-            f"{nothing}: with base parameters fitted, {gap}, where chance leaves {last.floor:.2f} and the"
-            f" light between frames up to {settings.unexplained:.2f} more."
+            f"Nothing is missing: with base parameters fitted, {gap}, where chance leaves {last.floor:.2f}"
+            f" and the light between frames up to {settings.most_by_light:.2f} more."
         )
     chance = "" if first is not last else f", chance alone would leave {last.floor:.2f}"
     near = "".join(
@@ -124,7 +122,7 @@ def sentence(diagnosis: Diagnosis, first: View, last: View, settings: SearchSett
     return f"Something is missing, and nothing in the catalogue explains it: {gap}{chance}.{near}{form}"
 
 
-def _remains(diagnosis: Diagnosis) -> Unexplained | None:
+def _remains(diagnosis: Diagnosis, settings: SearchSettings) -> Unexplained | None:
     if (found := diagnosis.remains) is None:
         return None
     kinds = [
@@ -136,19 +134,18 @@ def _remains(diagnosis: Diagnosis) -> Unexplained | None:
         )
         for step in found.telling
     ]
-    return Unexplained(nats=found.noticed, floor=found.floor, noticeable=NOTICEABLE, kinds=kinds)
-
-
-def _kinds_left(diagnosis: Diagnosis) -> tuple[Telling, ...]:
-    """The kinds of what is left, where that matters."""
-    found = diagnosis.remains
-    return found.telling if found is not None and found.noticeable else ()
+    return Unexplained(
+        nats=found.noticed, floor=found.floor, evidence=found.evidence,
+        by_light=settings.naming.light_nats, kinds=kinds,
+    )  # fmt: skip
 
 
 def _by_kind(diagnosis: Diagnosis) -> str:
     """What is left that matters, by its kind."""
-    kinds = _kinds_left(diagnosis)
-    return f" What is left by kind: {kind_in_words(kinds[0])}" if kinds else ""
+    found = diagnosis.remains
+    if diagnosis.verdict == "none" or found is None or not found.telling:
+        return ""
+    return f" What is left by kind: {kind_in_words(found.telling[0])}"
 
 
 def _far_from_file(diagnosis: Diagnosis, settings: SearchSettings) -> str:

@@ -17,11 +17,10 @@ from . import figures_events, figures_statistics
 from .result import FoundEffect, IntervalEstimate, Result
 from .where import Ranked, View, gaps_by_group, label_in_words, numbers, ranked, views
 
-_TONE = {"effects": "warn", "none": "good", "told": "warn", "unknown": "bad"}
+_TONE = {"effects": "warn", "none": "good", "unknown": "bad"}
 _HEADLINE = {
     "effects": "Missing: {}",
     "none": "Nothing is missing",
-    "told": "No effect is missing, but all pixels tell it from a simulation",
     "unknown": "Something unknown is missing",
 }
 
@@ -31,13 +30,12 @@ def page_of(
 ) -> str:
     """The page. A few runs more are made for what is drawn from events."""
     models = views(search, diagnosis)
-    said = "told" if result.verdict == "none" and result.is_told else result.verdict
     return render(
         "diagnosis.html",
         title=f"Diagnosis of {session.name}",
         subtitle=f"against the camera file {session.camera.name}: {session.looked_at()}",
-        tone=_TONE[said],
-        headline=_HEADLINE[said].format(
+        tone=_TONE[result.verdict],
+        headline=_HEADLINE[result.verdict].format(
             ", ".join(dict.fromkeys(in_words(one.name) for one in result.effects))
         ),
         sentence=result.sentence,

@@ -87,7 +87,8 @@ class Unexplained(_Record):
 
     nats: float = Field(description="nats an event, beyond what the light between frames leaves open")
     floor: float = Field(description="nats an event that the light leaves open")
-    noticeable: float = Field(description="from how many on it matters")
+    evidence: float = Field(description="the same of all events that were looked at, in nats")
+    by_light: float = Field(description="how much evidence is left in the mean where nothing is missing")
     kinds: list[Dependence] = Field(description="those that matter, the most telling first")
 
 
@@ -179,12 +180,6 @@ class Result(_Record):
     seeds: Seeds
     versions: Versions
     settings: DiagnosisSettings
-
-    @property
-    def is_told(self) -> bool:
-        """Whether kinds tell the recording from simulated ones in the end, by enough to matter."""
-        left = self.remains
-        return left is not None and left.nats > left.noticeable and bool(left.kinds)
 
 
 def schema() -> dict[str, Any]:

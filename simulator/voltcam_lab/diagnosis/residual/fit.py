@@ -95,7 +95,7 @@ def _fitted(sensor: WholeSensor, parameters: Parameters, remains: Remains, kind:
     beginnings the best one moved on; None: without any it is told as little."""
     split_us, covariates = _split_us(sensor), covariates_of(kind)
     steps = [one for one in remains.told.steps if one.covariate.kind == kind and fits(one)]
-    real, look = sensor.footage.events, remains.look
+    real, look = sensor.recorded, remains.look
 
     def chosen(events: Events) -> NDArray[np.bool_]:
         early: NDArray[np.bool_] = events["t"] <= split_us

@@ -44,6 +44,11 @@ class Remains:
         return float(np.mean([one.total for one in self.by_light]))
 
     @property
+    def evidence(self) -> float:
+        """The same of all recorded events that were looked at [nats]."""
+        return self.noticed * self.told.events[0]
+
+    @property
     def noticed(self) -> float:
         """Nats an event beyond that by which anybody could tell the recording from a simulated one."""
         return self.told.total - self.floor
@@ -78,11 +83,17 @@ class WholeSensor:
         return known_light(self.scene, self.footage.events)
 
     @cached_property
+    def recorded(self) -> Events:
+        """What was recorded where the light is known: nothing else is anybody's past, and `events` has as
+        little."""
+        return self._known.where(self.footage.events)
+
+    @cached_property
     def look(self) -> Look:
         """Classes for what events may depend on."""
         footage = self.footage
         light = FrameLight(footage.frames, footage.frame_t_us)
-        return Look.at(footage.events, footage.width, footage.height, light)
+        return Look.at(self.recorded, footage.width, footage.height, light)
 
     def remains(
         self, parameters: Parameters, steps: int = STEPS, later_than_us: float = -np.inf,
@@ -96,7 +107,7 @@ class WholeSensor:
             late: NDArray[np.bool_] = events["t"] > later_than_us
             return self.judged(events) & late
 
-        real = self.footage.events
+        real = self.recorded
         look = self.look.finer(clock_of(real, runs, self.footage.height))
         by_light = by_light or tuple(
             told_apart(runs[k], [*runs[:k], *runs[k + 1 :]], look, chosen, steps) for k in range(COMPARED)
@@ -104,7 +115,7 @@ class WholeSensor:
         return Remains(told_apart(real, runs, look, chosen, steps), look, by_light)
 
     def events(self, parameters: Parameters, version: int, until_us: float = np.inf) -> Events:
-        """One run, on a version of the light."""
+        """One run, on a version of the light: what of it is where the light is known."""
         scene = self.scene
         simulator = Simulator(scene.width, scene.height, parameters, seed=SEEDS + version + self.seed)
         light, run_up_us = light_behind(scene, version, self.settings), self.settings.lead_in_us
@@ -113,9 +124,8 @@ class WholeSensor:
         run_up(simulator, images, times_us, run_up_us, lead_in_us(parameters))
         seen = takewhile(lambda one: one[1] <= until_us, chain(head, light))
         events = np.concatenate([np.empty(0, EVENT), *starmap(simulator.advance, seen)])
-        kept: Events = events[events["t"] >= scene.t_us[0]]
-        return kept  # as of the recording, nothing is known of before
+        return self._known.where(events)
 
     def judged(self, events: Events) -> NDArray[np.bool_]:
-        """(n,): whether an event comes where the light is known well enough (`Scene.trusted`)."""
-        return self._known.within(events)
+        """(n,): of `recorded` ones or those of a run, which are not made by light that is not known."""
+        return self._known.settled(events)

@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..catalogue.candidate import Candidate
-from ..rig.whole import NOTICEABLE, Remains
+from ..rig.whole import Remains
 from .evidence import Evidence, evidence
 from .fit import fitted_by_simulation
 from .hypothesis import Hypothesis
+from .left import more_than_light
 from .precise import precise
 from .proof import (
     best_to_add,
@@ -78,12 +79,9 @@ def diagnose(search: Search, hypothesis: Hypothesis) -> Diagnosis:
     steps: list[SearchStep] = [step]
     found: list[Found] = []
     open_step: SearchStep | None = None
-    remains: Remains | None = None  # of this step, once it has been asked for
     while len(found) < settings.most_effects and (trial := best_to_add(settings, step)):
-        if found:
-            remains = _remains(search, step.hypothesis)
-            if not _noticeable(remains):
-                break
+        if found and not more_than_light(step, steps[0], None, settings):
+            break
         chain = _explained(search, [*steps], trial, settings.longest_chain)
         if chain is None:
             break
@@ -93,15 +91,14 @@ def diagnose(search: Search, hypothesis: Hypothesis) -> Diagnosis:
         for one, after in chain:
             found.append(one)
             steps.append(after)
-        step, remains = steps[-1], None
+        step = steps[-1]
     if len(found) > 1:
         _drop_needless(search, found, steps)
-        remains = remains if steps[-1] is step else None
         step = steps[-1]
     kept, covariance, residual = _needed(search, found, step.hypothesis), None, None
     hypothesis = step.hypothesis
-    remains = remains or _remains(search, hypothesis)
-    unexplained = step.excess > settings.unexplained and _noticeable(remains)
+    remains = _remains(search, hypothesis)
+    unexplained = more_than_light(step, steps[0], remains, settings)
     verdict: Verdict = "effects" if kept else "unknown" if unexplained else "none"
     if kept:
         sure = precise(search.rig, step.hypothesis, step.screen.spread, settings, search.data)
@@ -120,15 +117,11 @@ def _remains(search: Search, hypothesis: Hypothesis) -> Remains | None:
     search.say("Telling the recording from simulated ones, by all pixels.")
     remains = search.sensor.remains(hypothesis.parameters())
     search.say(
-        f"{1000 * remains.noticed:.1f} millinats an event tell them apart, beyond what the light leaves open"
-        f" ({1000 * NOTICEABLE:.0f} would be noticed)."
+        f"{1000 * remains.noticed:.1f} millinats an event tell them apart, beyond what the light leaves open:"
+        f" {remains.evidence:.0f} nats in all, where {search.settings.naming.light_nats:.0f} are left in the"
+        " mean if nothing is missing."
     )
     return remains
-
-
-def _noticeable(remains: Remains | None) -> bool:
-    """Without a look at all pixels, whatever statistics say is taken to matter."""
-    return remains is None or remains.noticeable
 
 
 def _explained(

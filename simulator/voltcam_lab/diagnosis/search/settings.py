@@ -12,6 +12,7 @@ Not here: sizes at which an effect is looked for and how it is measured, which a
 numbers that no verdict depends on (processes, memory, lines on a terminal).
 """
 
+import math
 from dataclasses import dataclass, field
 
 from ..rig.settings import RecordingSettings, RigSettings
@@ -44,15 +45,20 @@ class SearchSettings:
     """Effects from which no more are looked for. Convention: time."""
     longest_chain: int = 3
     """Effects that are added one after the other to explain a gap together. Convention: time."""
-    unexplained: float = 0.25
-    """Excess from which the verdict is "unknown" where no effect is named. Development: frames leave that
-    much open without anything missing."""
+    alarm: float = 0.05
+    """How often light may leave as much where nothing is missing: if less often, the verdict is "unknown"
+    where no effect is named (`left.py`). Asked."""
     negligible: float = 0.05
     """Share of the strength at which an effect was added: one fitted to less in the end is not named.
     Convention."""
     taken_out_below: float = 0.8
     """Effects of the camera file are taken out where the gap without them is below this share of that with
     them. Convention."""
+
+    @property
+    def most_by_light(self) -> float:
+        """The excess that light alone leaves no more often than `alarm`."""
+        return -self.naming.light * math.log(self.alarm)
 
 
 DEFAULTS = SearchSettings()

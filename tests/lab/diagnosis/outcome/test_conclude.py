@@ -25,6 +25,7 @@ def view(held_out: float) -> View:
     )
 
 
+MOST = -np.log(DEFAULTS.alarm) * (DEFAULTS.naming.light + 4 * DEFAULTS.naming.form)  # of a gap of 4
 BEFORE, AFTER = view(4.5), view(0.6)
 SEEN = step(4.0, trial(DEAD_TIME, 0.1), trial(MISMATCH, 2.0))
 
@@ -52,7 +53,7 @@ def test_rivals_are_named_beside_it() -> None:
 
 @pytest.mark.parametrize("over", [-0.01, 0.01])
 def test_what_is_left_is_said(over: float) -> None:
-    said = sentence(found(left=DEFAULTS.unexplained + over), BEFORE, AFTER)
+    said = sentence(found(left=MOST + over), BEFORE, AFTER)
     assert ("What is left has no name in the catalogue." in said) == (over > 0)
 
 
@@ -61,7 +62,7 @@ def test_where_nothing_is_missing_chance_is_what_is_left() -> None:
     said = sentence(nothing, AFTER, AFTER)
     assert said.startswith("Nothing is missing: ")
     assert said.endswith(
-        "data is 0.60, where chance leaves 0.50 and the light between frames up to 0.25 more."
+        "data is 0.60, where chance leaves 0.50 and the light between frames up to 0.30 more."
     )
 
 

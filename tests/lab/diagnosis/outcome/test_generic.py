@@ -1,6 +1,7 @@
 """Generic terms as a sentence, in result.json and in the camera file."""
 
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -57,15 +58,18 @@ def test_it_stands_in_result_page_and_camera_file_and_the_verdict_stays(done: Do
 
 
 @pytest.mark.parametrize("nats", [0.002, 0.05])
-def test_what_all_pixels_tell_is_not_called_nothing(done: Done, nats: float) -> None:
+@pytest.mark.parametrize("verdict", ["none", "unknown"])
+def test_of_what_is_unknown_the_kind_is_told_if_it_matters(
+    done: Done, nats: float, verdict: Literal["none", "unknown"]
+) -> None:
     clock = Covariate("clock", "clock", "way from tick to tick", 2)
     step = Telling(clock, nats, np.zeros((2, 2)), np.full((2, 2), 0.5))
     look, by_light = done.session.sensor.look, (told(0.0),)
     left = Remains(ToldApart(0.0, {}, (step,), (1000, 1000)), look, by_light)
-    nothing = replace(done.diagnosis, verdict="none", found=(), covariance=None, remains=left)
-    result = result_of(done.session, done.search, done.identifiability, nothing)
-    page = page_of(done.session, done.search, done.identifiability, nothing, result)
-    matters = nats > NOTICEABLE
-    assert result.sentence.startswith("No effect is missing: " if matters else "Nothing is missing: ")
+    without = replace(done.diagnosis, verdict=verdict, found=(), covariance=None, remains=left)
+    result = result_of(done.session, done.search, done.identifiability, without)
+    page = page_of(done.session, done.search, done.identifiability, without, result)
+    matters = nats > NOTICEABLE and verdict == "unknown"
     assert ("What is left by kind: " in result.sentence) == matters
-    assert ("No effect is missing, but all pixels tell it" in page) == matters
+    assert ("Nothing is missing: " in result.sentence) == (verdict == "none")
+    assert ({"none": "Nothing is missing", "unknown": "Something unknown is missing"}[verdict]) in page

@@ -1,0 +1,37 @@
+"""Whether more is left than light between frames and the forms of effects leave, by both views of it.
+
+Statistics of strips give an excess, in units of chance; all pixels give evidence in nats. Where nothing is
+missing, light leaves something of either: an amount that is exponential about its mean. Both views together
+are Fisher's combination of the two probabilities (Statistical Methods for Research Workers, 1932).
+"""
+
+import numpy as np
+from scipy.stats import gamma
+
+from ..rig.whole import Remains
+from .settings import SearchSettings
+from .settings_proof import Naming
+from .step import SearchStep
+
+
+def more_than_light(
+    step: SearchStep, first: SearchStep, remains: Remains | None, settings: SearchSettings
+) -> bool:
+    """Whether a step leaves more than is left where nothing is missing, but for one such recording in twenty.
+
+    first: the step before any effect was found. remains: by what all pixels tell, where that was asked.
+    """
+    return by_light(step, first, remains, settings.naming) <= settings.alarm
+
+
+def by_light(step: SearchStep, first: SearchStep, remains: Remains | None, naming: Naming) -> float:
+    """How often light, and forms of effects that were found, leave as much: 0 to 1.
+
+    What forms leave for all pixels to tell nobody has measured: with effects, strips alone are asked.
+    """
+    found = step is not first
+    mean = naming.light + naming.form * max(first.excess, 0.0) * found
+    share = max(step.excess, 0.0) / mean
+    if found or remains is None or np.isnan(remains.evidence):
+        return float(np.exp(-share))
+    return float(gamma.sf(share + max(remains.evidence, 0.0) / naming.light_nats, 2))
