@@ -14,7 +14,7 @@ from .covariates import LIGHT, Covariate, Look
 FOLDS = 5
 BLOCK_US = 100_000
 MOST_EVENTS = 60_000  # of each kind: enough for thousandths of a nat
-FEWEST = 500  # events of either kind, else nothing is said
+FEWEST = 200  # events of either kind, else nothing is said
 STEPS = 4
 SEED = 5
 

@@ -191,7 +191,7 @@ def best_scene(
         rounding = rounding_errors(frames)[..., columns]
     scene = scene_between(frames, t_us, columns, untrusted_share)
     if scene.how in CURVES:
-        scene = scene.coarser()  # the rest of a curve is less than the error of the light
+        scene = scene.coarser()
     return scene if rounding is None else scene.with_rounding(rounding)
 
 

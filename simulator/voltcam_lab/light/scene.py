@@ -19,7 +19,7 @@ from .spline import along_spline
 How = Upsampling | Literal["spline"]
 """As in `voltcam_video.between`, or along a spline through all frames."""
 _ROUNDING = 0.5  # by which a grey level that is no whole number may be off [DN]
-CHORD = 0.005  # of the brightness: half of what rounding hides in the dark
+CHORD = 0.002  # of the brightness, a hundredth of a threshold: more makes events go with the phase of frames
 TRUSTED = 0.05  # of the brightness: a quarter of the contrast of a usual threshold
 TOLERANCES = (TRUSTED, 0.1, 0.2, 0.4)  # where light trusted so far leaves too few events; the strictest first
 ENOUGH_EACH = 400  # ON, and OFF events: leak alone makes only ON, which tells nothing of thresholds

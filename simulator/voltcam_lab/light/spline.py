@@ -14,7 +14,7 @@ from .grey import USUAL_DARK_DN
 
 Light = NDArray[np.float32]
 STEPS = (1, 2, 4)
-SAG = 0.004  # of ln L, a fiftieth of a threshold: chords are no further from the curve
+SAG = 0.002  # of ln L, a hundredth of a threshold: chords are no further from the curve, but where STEPS end
 FEWEST = 4  # frames that a cubic spline needs
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from voltcam_lab.light.scene import How, scene_of
-from voltcam_lab.light.spline import SAG, along_spline
+from voltcam_lab.light.spline import along_spline
 
 PERIOD_US, DARK_DN = 5000, 20
 
@@ -25,8 +25,8 @@ def error(how: How) -> float:
 
 
 def test_a_wave_of_six_frames_is_met_by_a_spline_only() -> None:
-    assert error("spline") < SAG
-    assert error("cubic") > 3 * SAG
+    assert error("spline") < 0.004
+    assert error("cubic") > 0.012
     assert error("linear") == pytest.approx(0.2 * (1 - np.cos(np.pi / 6)), rel=0.15)
 
 

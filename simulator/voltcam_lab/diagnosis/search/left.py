@@ -19,7 +19,7 @@ def more_than_light(
 ) -> bool:
     """Whether a step leaves more than is left where nothing is missing, but for one such recording in twenty.
 
-    first: the step before any effect was found. remains: by what all pixels tell, where that was asked.
+    first: the step before any effect was found. remains: by what all pixels tell, if they can tell anything.
     """
     return by_light(step, first, remains, settings.naming) <= settings.alarm
 
@@ -32,6 +32,6 @@ def by_light(step: SearchStep, first: SearchStep, remains: Remains | None, namin
     found = step is not first
     mean = naming.light + naming.form * max(first.excess, 0.0) * found
     share = max(step.excess, 0.0) / mean
-    if found or remains is None or np.isnan(remains.evidence):
+    if found or remains is None:
         return float(np.exp(-share))
     return float(gamma.sf(share + max(remains.evidence, 0.0) / naming.light_nats, 2))

@@ -53,7 +53,7 @@ class Diagnosis:
     covariance: (k, k) of the shift of the last step's hypothesis, whose effects are found; None where none
     are. residual: a term of unknown mechanism, in the hypothesis, for part of a gap that no listed effect
     explains. remains: by what the recording can still be told from the hypothesis, on the whole sensor; None
-    where that was not looked at.
+    where that was not looked at, or too few events can tell.
     """
 
     verdict: Verdict
@@ -111,11 +111,15 @@ def diagnose(search: Search, hypothesis: Hypothesis) -> Diagnosis:
 
 
 def _remains(search: Search, hypothesis: Hypothesis) -> Remains | None:
-    """By what the recording can be told from a hypothesis, on the whole sensor."""
+    """By what the recording can be told from a hypothesis, on the whole sensor; None: too few events come
+    where light is known."""
     if search.sensor is None:
         return None
     search.say("Telling the recording from simulated ones, by all pixels.")
     remains = search.sensor.remains(hypothesis.parameters())
+    if np.isnan(remains.evidence):
+        search.say("They tell nothing: too few events come where the light is known.")
+        return None
     search.say(
         f"{1000 * remains.noticed:.1f} millinats an event tell them apart, beyond what the light leaves open:"
         f" {remains.evidence:.0f} nats in all, where {search.settings.naming.light_nats:.0f} are left in the"

@@ -46,16 +46,17 @@ def test_probabilities_are_uniform_where_light_leaves_what_it_leaves_in_the_mean
         (0.3, 3.0, True),  # either alone might be light's
         (0.3, 0.0, False),
         (0.0, 3.0, False),
-        (2.7, float("nan"), True),  # too few events are judged to tell anything
-        (0.1, float("nan"), False),
+        (2.7, None, True),  # too few events are judged to tell anything
+        (0.1, None, False),
     ],
 )
 def test_what_one_view_shows_plainly_is_enough_and_so_is_what_both_show(
-    excess: float, times: float, more: bool
+    excess: float, times: float | None, more: bool
 ) -> None:
     """times: evidence in units of its mean where nothing is missing."""
     one = step(excess)
-    assert more_than_light(one, one, told(times * NAMING.light_nats), DEFAULTS) == more
+    remains = None if times is None else told(times * NAMING.light_nats)
+    assert more_than_light(one, one, remains, DEFAULTS) == more
 
 
 def test_nothing_below_chance_counts() -> None:
