@@ -59,10 +59,13 @@ def generic_terms(
     while len(tried) < MOST_TERMS and (step := _next(remains, tried)):
         tried.add(step.covariate.kind)
         say(f"Looking for a term of unknown origin: {step.covariate.title}.")
+        before = before or sensor.remains(parameters, later_than_us=split_us)
+        if np.isnan(before.noticed):
+            say("None can be judged: too few events of the later part come where the light is known.")
+            break
         shape = _fitted(sensor, parameters, remains, step.covariate.kind)
         if shape is None:
             continue
-        before = before or sensor.remains(parameters, later_than_us=split_us)
         after = sensor.remains(shape.on(parameters), later_than_us=split_us, by_light=before.by_light)
         term = GenericTerm(shape, before, after, shape.on(parameters))
         say(

@@ -58,3 +58,15 @@ def test_where_nothing_is_hidden_no_term_is_looked_for() -> None:
     said: list[str] = []
     assert generic_terms(sensor, camera, sensor.remains(camera), said.append) == ()
     assert said == []
+
+
+def test_no_term_is_kept_where_the_later_part_has_too_few_events_to_judge_it() -> None:
+    """All events of the later part are taken away but a hundred, and no light is known less well for that."""
+    sensor, camera = hidden("after_events")
+    events = sensor.footage.events
+    last = int(np.flatnonzero(events["t"] > 2.4e6)[0]) + 100
+    fewer = replace(sensor.footage, events=events[:last])
+    sensor = whole_sensor(fewer, DEFAULT_RECORDING, replace(DEFAULT_RIG, versions=2), 0)
+    said: list[str] = []
+    assert generic_terms(sensor, camera, sensor.remains(camera), said.append) == ()
+    assert "None can be judged" in said[-1]
