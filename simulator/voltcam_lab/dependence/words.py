@@ -62,7 +62,7 @@ def sentence(step: Telling) -> str:
     nats = f"{1000 * step.gain:.1f} millinats an event"
     many = f"{_short(np.exp(ratio))} times as many" if ratio > 0 else f"{np.exp(ratio):.0%} of the"
     return (
-        f"Firing depends on {kind} as the model's does not ({nats}): there "
+        f"Firing depends on {kind} as the model's does not ({nats}). There "
         f"are {many} {'ON' if polarity else 'OFF'} events as simulated "
         f"{_where(step.covariate, first, last)}."
     )

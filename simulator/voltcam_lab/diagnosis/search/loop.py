@@ -121,9 +121,9 @@ def _remains(search: Search, hypothesis: Hypothesis) -> Remains | None:
         search.say("They tell nothing: too few events come where the light is known.")
         return None
     search.say(
-        f"{1000 * remains.noticed:.1f} millinats an event tell them apart, beyond what the light leaves open:"
-        f" {remains.evidence:.0f} nats in all, where {search.settings.naming.light_nats:.0f} are left in the"
-        " mean if nothing is missing."
+        f"{1000 * remains.noticed:.1f} millinats an event tell them apart, beyond what the light leaves open."
+        f" In all these are {remains.evidence:.0f} nats. Where nothing is missing, the mean is"
+        f" {search.settings.naming.light_nats:.0f}."
     )
     return remains
 
@@ -224,5 +224,5 @@ def _sentence(step: SearchStep) -> str:
         f" {step.floor_training:.2f}"
     )
     if not step.trials:
-        return f"{gap}; no effect explains more of it than chance lets one."
+        return f"{gap}. No effect explains more of it than chance lets one."
     return f"{gap}; {step.trials[0].candidate.effect} explains most of it."
