@@ -20,14 +20,19 @@ Power = NDArray[np.float64]
 
 
 class RowClock(NamedTuple):
-    """A period [us], and by how much each row is later than the one above [us]."""
+    """A period [us], and by how much each row is later than the one above [us].
+
+    a_frame: how many periods there are from frame to frame, where it is a whole number; 0 where it is none.
+    """
 
     period_us: float
     row_us: float
+    a_frame: int = 0
 
     def __str__(self) -> str:
         slope = f", {self.row_us:+.3g} us a row" if abs(self.row_us) >= 0.05 else ""
-        return f"a clock of {self.period_us / 1000:.4g} ms ({1e6 / self.period_us:.4g} Hz{slope})"
+        locked = f", {self.a_frame} to a frame" if self.a_frame else ""
+        return f"a clock of {self.period_us / 1000:.4g} ms ({1e6 / self.period_us:.4g} Hz{slope}{locked})"
 
     def turn(self, events: Events) -> NDArray[np.float64]:
         """(n,) where in its period the clock is at each event, 0 to 1."""
@@ -35,9 +40,12 @@ class RowClock(NamedTuple):
         return (late_us / self.period_us) % 1.0
 
 
-def clock_of(real: Events, simulated: Sequence[Events], height: int) -> RowClock | None:
+def clock_of(
+    real: Events, simulated: Sequence[Events], height: int, frame_us: float = 0.0
+) -> RowClock | None:
     """The clock that shows best in the real events and not in the simulated ones; None: none beyond chance.
 
+    frame_us: mean time from frame to frame, to which it may be locked; 0: there are no frames.
     Events in bins of row and time are turned into power over frequency and cycles a row, polarities apart
     and added. Without a clock, power in a line is exponential about that of its neighbours in frequency and
     of the simulated events there.
@@ -64,7 +72,14 @@ def clock_of(real: Events, simulated: Sequence[Events], height: int) -> RowClock
         real, float(frequencies[chosen][line]), float(np.fft.fftfreq(2 * height)[wave]),
         1 / (end_us - begin_us), 1 / (2 * height),
     )  # fmt: skip
-    return RowClock(1 / frequency, -cycles_per_row / frequency)
+    locked = _turns_a_frame(frequency, frame_us, 1 / (end_us - begin_us))
+    return RowClock(1 / frequency, -cycles_per_row / frequency, locked)
+
+
+def _turns_a_frame(frequency: float, frame_us: float, frequency_step: float) -> int:
+    """A whole number, if a multiple of the frames' frequency is as near as frequencies can be told apart."""
+    turns = round(frequency * frame_us)
+    return turns if turns and abs(frequency - turns / frame_us) <= frequency_step / 2 else 0
 
 
 def _sharper(

@@ -33,6 +33,13 @@ def test_a_clock_is_found_by_period_and_slope(period_us: float, row_us: float) -
     assert f"{clock.period_us / 1000:.4g} ms" in sentence(first)
 
 
+def test_it_is_said_how_often_a_clock_of_the_frames_ticks_from_one_to_the_next() -> None:
+    frame_us = 23 * 1_234.5
+    for off, said in ((1.0, ", 23 to a frame)"), (1 + 3 * 1_234.5 / END_US, " Hz)")):
+        clock = clock_of(clocked(3, 1_234.5, 0.0), [free(4), free(5)], HEIGHT, frame_us * off)
+        assert str(clock).endswith(said)
+
+
 def test_chance_makes_no_clock() -> None:
     """A false line is expected in one of a thousand scans: of 20, one with a chance of .02."""
     assert sum(clock_of(free(k), [free(k + 100)], HEIGHT) is not None for k in range(20)) <= 1

@@ -27,6 +27,8 @@ SEEDS = 1 << 19  # of these runs, away from those of the search
 COMPARED = 2  # versions of the light that are held against the others, for what the light leaves open
 NOTICEABLE = 3 / 1000
 """Nats an event: who sees a thousand events is 20 times (3 nats) surer than before. Less, nobody notices."""
+SURE = 36.0
+"""Nats of all events. Measured: 5 % of 42 recordings without an effect have more than 32."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,8 +62,9 @@ class Remains:
 
     @property
     def telling(self) -> tuple[Telling, ...]:
-        """The steps that matter by themselves."""
-        return tuple(step for step in self.told.steps if step.gain > NOTICEABLE)
+        """The steps that matter by themselves, or that all events together leave no doubt of."""
+        least = min(NOTICEABLE, SURE / max(self.told.events[0], 1))
+        return tuple(step for step in self.told.steps if step.gain > least)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +111,9 @@ class WholeSensor:
             return self.judged(events) & late
 
         real = self.recorded
-        look = self.look.finer(clock_of(real, runs, self.footage.height))
+        t_us = self.footage.frame_t_us
+        frame_us = float(t_us[-1] - t_us[0]) / (len(t_us) - 1)
+        look = self.look.finer(clock_of(real, runs, self.footage.height, frame_us))
         by_light = by_light or tuple(
             told_apart(runs[k], [*runs[:k], *runs[k + 1 :]], look, chosen, steps) for k in range(COMPARED)
         )

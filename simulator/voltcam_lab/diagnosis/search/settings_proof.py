@@ -29,8 +29,9 @@ class ScoreTest:
 class Trials:
     """Which effects are fitted by simulation, and from where."""
 
-    most: int = 3
-    """Effects that are tried for their score. Convention: time."""
+    at_a_time: int = 3
+    """Effects that are tried for their score before it is asked whether one explains the gap. Convention:
+    time."""
     least_score: float = 0.25
     """An effect of a smaller share of the best score is not tried. Convention."""
     most_from_file: int = 2

@@ -88,7 +88,7 @@ def step_of(
         test.least_gain, test.least_gain_share * flat(rest).size * (first.training - training)
     )  # fmt: skip
     limit = (test.alpha, test.tried_share * least) if first is None else (test.next_alpha, least)
-    chosen: list[int] = []
+    chosen: list[list[int]] = []
     if p_value <= limit[0] and scores.max() > limit[1]:
         chosen = _chosen(search, screen, candidates, scores, training)
     chance = np.mean([huber(z, settings.huber_z) for z in spread.left_out], axis=0)
@@ -100,10 +100,17 @@ def step_of(
     )  # fmt: skip
 
 
-def _trials(bench: TrialBench, chosen: Sequence[int], scores: NDArray[np.float64]) -> tuple[Trial, ...]:
-    """The chosen effects fitted, the best of them to the end; best first."""
-    rig, nearly = bench.search.rig, bench.search.settings.trials.nearly_best
-    trials = rig.each(lambda index: bench.tried(index, float(scores[index])), chosen)
+def _trials(
+    bench: TrialBench, chosen: Sequence[Sequence[int]], scores: NDArray[np.float64]
+) -> tuple[Trial, ...]:
+    """The chosen effects fitted, the best of them to the end; best first. While all leave more than light
+    does, further ones are tried: an effect that was not tried cannot be told from the best that was."""
+    rig, settings, nearly = bench.search.rig, bench.search.settings, bench.search.settings.trials.nearly_best
+    trials: list[Trial] = []
+    for some in chosen:
+        trials += rig.each(lambda index: bench.tried(index, float(scores[index])), some)
+        if min(trial.training for trial in trials) <= bench.at_chance + settings.most_by_light:
+            break
     if trials:
         most = max(trial.gained for trial in trials)
         good = [one.gained > nearly * most or one.score > nearly * scores.max() for one in trials]
@@ -120,26 +127,29 @@ def _chosen(
     candidates: Sequence[Candidate],
     scores: NDArray[np.float64],
     training: float,
-) -> list[int]:
-    """Numbers of the signatures that are tried: of the best scores, and, where these say little, others."""
-    trials = search.settings.trials
-    chosen = _best(screen, scores, trials.most)
-    if training > trials.far_gap:
-        chosen += [index for index in _nearest_from_file(search, screen, training) if index not in chosen]
+) -> list[list[int]]:
+    """Numbers of the signatures that are tried, some at a time: of the best scores, and, where these say
+    little, others beside the first."""
+    most = search.settings.trials.at_a_time
+    scored = _best(screen, scores)
+    first = scored[:most]
+    if training > search.settings.trials.far_gap:
+        first += [index for index in _nearest_from_file(search, screen, training) if index not in first]
     if screen.hypothesis.off_prior(search.settings):
-        scored = _best_on_file(search, screen.hypothesis, candidates)
-        chosen += [index for index in scored if index not in chosen]
-    return chosen
+        on_file = _best_on_file(search, screen.hypothesis, candidates)
+        first += [index for index in on_file if index not in first]
+    others = [index for index in scored if index not in first]
+    return [first, *(others[k : k + most] for k in range(0, len(others), most))]
 
 
-def _best(screen: Screen, scores: NDArray[np.float64], most: int) -> list[int]:
-    """The signatures of the highest scores, one for each candidate."""
+def _best(screen: Screen, scores: NDArray[np.float64]) -> list[int]:
+    """The signatures of the highest scores, best first, one for each candidate."""
     chosen: dict[tuple[object, ...], int] = {}
     for index in np.argsort(-scores):
         one = screen.signatures[index].candidate
         if scores[index] > screen.settings.trials.least_score * scores.max():
             chosen.setdefault((one.effect, one.names, *one.others.items()), int(index))
-    return list(chosen.values())[:most]
+    return list(chosen.values())
 
 
 def _nearest_from_file(search: Search, screen: Screen, training: float) -> list[int]:
@@ -153,7 +163,7 @@ def _nearest_from_file(search: Search, screen: Screen, training: float) -> list[
     left = np.array(
         [mean_huber(flat((search.data - mean) / screen.spread.sd), settings.huber_z) for mean in means]
     )
-    return _best(screen, np.maximum(training - left, 0), settings.trials.most_from_file)
+    return _best(screen, np.maximum(training - left, 0))[: settings.trials.most_from_file]
 
 
 def _best_on_file(search: Search, hypothesis: Hypothesis, candidates: Sequence[Candidate]) -> list[int]:
@@ -163,4 +173,4 @@ def _best_on_file(search: Search, hypothesis: Hypothesis, candidates: Sequence[C
     spread = spread_of(search.rig, start, settings.runs.rough_twins, settings)
     screen = screen_of(search.rig, start, spread, candidates, settings)
     scores = screen.gains(flat((search.data - spread.mean) / spread.inflated_sd))
-    return _best(screen, scores, settings.trials.most_from_file)
+    return _best(screen, scores)[: settings.trials.most_from_file]

@@ -35,6 +35,25 @@ def test_the_effect_that_is_missing_is_named_with_its_size(one, size: float) -> 
     assert found.steps[-1].held_out < 0.5 * found.steps[0].held_out
 
 
+def test_an_effect_that_explains_all_is_named_though_three_that_explain_a_part_score_higher() -> None:
+    """Long dead times are little like the short ones that signatures are of, and like three others besides."""
+    jitter = Candidate("latency", ("jitter_us",), ((1000.0,),))
+
+    def bent(parameters: Parameters) -> Values:
+        long_ms = max(parameters.refractory_period.period_us / 1000 - 3, 0)
+        parts = long_ms * (0.7 * PATTERNS[7:10].sum(axis=0) - 1.05 * PATTERNS[6])
+        return response(parameters) + parts + parameters.latency.jitter_us / 1000 * PATTERNS[9]
+
+    rig = MadeRig(bent)
+    data = bent(DEAD_TIME.on(BASE, (10_000.0,))) + rig.noise(4711)
+    found = diagnose(Search(rig, data, (*CATALOGUE, jitter)), Hypothesis(START))
+    scores = zip(found.steps[0].scores, found.steps[0].screen.signatures, strict=True)
+    best = sorted(scores, key=lambda one: -one[0])
+    assert DEAD_TIME not in [one.candidate for _, one in best[:3]]
+    assert found.steps[0].trials[0].candidate is DEAD_TIME
+    assert [each.effect for each in found.found] == ["refractory_period"]
+
+
 def test_two_effects_are_both_named() -> None:
     found = asked(response(DEAD.on(MISMATCH.on(BASE, (0.2,)), (0.02,))))
     assert {each.effect for each in found.found} == {"threshold_mismatch", "dead_pixels"}
