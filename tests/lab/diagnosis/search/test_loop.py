@@ -36,7 +36,7 @@ def test_the_effect_that_is_missing_is_named_with_its_size(one, size: float) -> 
 
 
 def test_an_effect_that_explains_all_is_named_though_three_that_explain_a_part_score_higher() -> None:
-    """Long dead times are little like the short ones that signatures are of, and like three others besides."""
+    """Long dead times are little like the short ones of signatures, and like three others besides."""
     jitter = Candidate("latency", ("jitter_us",), ((1000.0,),))
 
     def bent(parameters: Parameters) -> Values:
