@@ -18,6 +18,7 @@ from .spline import along_spline
 
 How = Upsampling | Literal["spline"]
 """As in `voltcam_video.between`, or along a spline through all frames."""
+_LEAST_CHANGE = 1e-6  # DN
 _ROUNDING = 0.5  # by which a grey level that is no whole number may be off [DN]
 CHORD = 0.002  # of the brightness, a hundredth of a threshold: more makes events go with the phase of frames
 TRUSTED = 0.05  # of the brightness: a quarter of the contrast of a usual threshold
@@ -73,6 +74,22 @@ class Scene:
                 guess = (1 - share) * images[after - 1] + share * images[after]
                 missed[k] = np.abs(self.taken[k].astype(np.float32) - guess).ravel()
         return missed
+
+    @cached_property
+    def surprise_by_change(self) -> float:
+        """Surprise of a frame over the change of light from frame to frame, where light is `trusted` before
+        and behind: the median, in which a sample counts as much as light changes, as a share of it. 0: it
+        never does."""
+        taken = self.taken.reshape(len(self.taken), -1).astype(np.float32)
+        trusted = self.trusted()
+        there = trusted[1:] & trusted[:-1]
+        change = np.abs(taken[2:] - taken[:-2])[there] / 2
+        ratio = self.surprise[1:-1][there] / np.maximum(change, _LEAST_CHANGE)
+        order = np.argsort(ratio)
+        weight = np.cumsum((change / (taken[1:-1][there] + USUAL_DARK_DN))[order], dtype=np.float64)
+        if not weight.size or weight[-1] == 0:
+            return 0.0
+        return float(ratio[order[np.searchsorted(weight, weight[-1] / 2)]])
 
     @cached_property
     def unsure(self) -> NDArray[np.float32]:

@@ -56,6 +56,10 @@ class MadeRig(Rig):
     def __init__(self, response: Callable[[Parameters], Values] = response) -> None:
         self._response, self.settings = response, DEFAULT_RIG
 
+    @property
+    def light_is_guessed(self) -> bool:
+        return False
+
     def run(
         self, parameters: Parameters, seeds: Sequence[int], apart: bool = False, noisier: bool = False
     ) -> Values:

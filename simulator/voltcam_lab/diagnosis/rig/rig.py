@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from voltcam_simulator import EVENT, Parameters, Simulator
 
+from ...light.between_frames import CURVES
 from ...models.run_up import run_up
 from ...statistics import COUNTS, Setting, Values, observe
 from ..catalogue.entries import acts_across_columns, lead_in_us
@@ -47,6 +48,11 @@ class Rig:
     def versions(self) -> int:
         """How many versions of the light there are."""
         return self.settings.versions
+
+    @property
+    def light_is_guessed(self) -> bool:
+        """Whether light between frames goes along a motion, not on a curve through the frames."""
+        return self.setting.scene.how not in CURVES
 
     @cached_property
     def lights(self) -> Lights:

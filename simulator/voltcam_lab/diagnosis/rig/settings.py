@@ -43,20 +43,32 @@ class RecordingSettings:
 
 
 @dataclass(frozen=True)
+class LightError:
+    """Scale of the light's error half way between two frames, which has Student's law: the root of the sum of
+    squares of two parts.
+
+    of_surprise: share of the largest `Scene.surprise` there. of_change: share of the surprise that such a
+    change from frame to frame makes in this scene (`Scene.surprise_by_change`).
+    """
+
+    of_surprise: float
+    of_change: float
+
+
+@dataclass(frozen=True)
 class RigSettings:
     """Light, and time before and after a recording, in simulated runs."""
 
     versions: int = 4
     """Versions of the light; a power of two of them. What frames leave open must not look like a
     gap. Convention: time."""
-    curve_error: float = 0.09
-    """Scale of the light's error half way between two frames where it lies on a curve through them, as a
-    share of the largest `Scene.surprise` there: the error that left-out frames show. It has Student's law.
-    Measured: medians of 0.063 to 0.082, 0.7 of the scale, in 8 of the generator's development scenes, of 100
-    to 200 frames/s. Nothing of it goes with how much the light bends."""
-    moved_error: float = 0.16
-    """The same where motion had to be guessed. Measured: medians of 0.07 to 0.18 in 14 scenes of 25 to 100
-    frames/s, half of them 0.11 at most; photographs have more of it than plane waves."""
+    on_curves: LightError = LightError(0.05, 0.18)
+    """The light's error where it lies on a curve through the frames. Measured on the generator's development
+    scenes: 0.03 to 0.06, and 0.08 to 0.19 on six of 200 frames/s, 0.03 on plane waves of 110. Of photographs
+    with 0.13 for 0.18 `latency` is named where nothing is missing."""
+    along_motion: LightError = LightError(0.1, 0.65)
+    """The same where motion had to be guessed. Measured: 0.07 to 0.29 and 0.33 to 1.1 on 16 scenes of 27 to
+    136 frames/s."""
     noisier: float = 1.5
     """Times its errors, at frames and between them: a light that is noisier than was told. Measured: a scale
     of 0.09 to 0.23 half way between frames in 22 scenes, a factor of 1.5 to either side."""

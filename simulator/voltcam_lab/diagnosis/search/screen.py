@@ -21,6 +21,7 @@ from ..rig.rig import Rig
 from .hypothesis import Hypothesis
 from .robust import RobustFit, robust_fit
 from .settings import SearchSettings
+from .settings_proof import ScoreTest
 from .spread import TwinSpread, flat
 
 LIGHT = 2  # columns of what the light may be off by
@@ -45,7 +46,8 @@ class Screen:
 
     base: (PARTS, n, k + LIGHT) columns of the hypothesis' own parameters and, last, of the light: that it is
     late, and that its errors are larger than told. null: (m,)
-    gains where nothing is missing, each twin's largest over the catalogue.
+    gains where nothing is missing, each twin's largest over the catalogue. light_gain: mean of what the light
+    adds to a recording's gain.
     """
 
     hypothesis: Hypothesis
@@ -54,6 +56,7 @@ class Screen:
     signatures: tuple[Signature, ...]
     null: NDArray[np.float64]
     settings: SearchSettings
+    light_gain: float = ScoreTest.light_gain
 
     def own(self, z: NDArray[np.float64]) -> RobustFit:
         """The part of training deviations z that the hypothesis' own parameters and the light can take up."""
@@ -83,7 +86,7 @@ class Screen:
         by and what the light adds: an error of it goes either way, and its square is what it adds."""
         scale = max(float(np.std(self.null)) * np.sqrt(6) / np.pi, _LEAST_SCALE)
         loc = float(np.mean(self.null)) - np.euler_gamma * scale
-        light = self.settings.score_test.light_gain * _NORMAL**2
+        light = self.light_gain * _NORMAL**2
         beyond = np.maximum((gain - light - loc) / scale, _SURE)  # Gumbel's law: the largest of many
         return float(_WEIGHTS @ -np.expm1(-np.exp(-beyond)))
 
@@ -117,7 +120,9 @@ def screen_of(
     )
     light = np.stack([delayed, noisier - told], axis=-1) / spread.inflated_sd[..., None]
     base = np.concatenate([spread.columns, light], axis=-1)
-    screen = Screen(hypothesis, spread, base, signatures, np.empty(0), settings)
+    test = settings.score_test
+    light_gain = test.guessed_light_gain if rig.light_is_guessed else test.light_gain
+    screen = Screen(hypothesis, spread, base, signatures, np.empty(0), settings, light_gain)
     ratio = spread.sd / spread.inflated_sd
     null = [screen.gains(flat(z * ratio)).max() for z in spread.left_out]
     return replace(screen, null=np.array(null))

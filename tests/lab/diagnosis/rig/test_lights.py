@@ -7,8 +7,8 @@ import pytest
 from scipy.ndimage import maximum_filter
 
 from voltcam_lab.diagnosis.rig.lights import known_light, light_behind
-from voltcam_lab.diagnosis.rig.settings import DEFAULT_RIG
-from voltcam_lab.light.scene import How, scene_of
+from voltcam_lab.diagnosis.rig.settings import DEFAULT_RIG, LightError, RigSettings
+from voltcam_lab.light.scene import How, Scene, scene_of
 from voltcam_simulator import EVENT
 
 
@@ -39,19 +39,53 @@ def test_versions_differ_where_light_moves_or_next_to_it(how: How) -> None:
     assert np.abs(first - second)[:, :, 4:].max() > 1
 
 
+def half_way(scene: Scene, settings: RigSettings = DEFAULT_RIG, way: float = 0.5) -> np.ndarray:
+    """(M - 1, pixels) what a version adds to the light at such a part of the way from frame to frame."""
+    taken, t_us = scene.taken, scene.taken_us
+    between = (1 - way) * taken[:-1] + way * taken[1:]
+    images = np.stack([taken[:-1], between], axis=1).reshape(-1, *taken.shape[1:]).astype(np.float32)
+    times = np.column_stack([t_us[:-1], t_us[:-1] + way * np.diff(t_us)]).ravel().astype(np.int64)
+    coarse = replace(scene, images=images, t_us=times)
+    shown = np.stack([image for image, _ in light_behind(coarse, 0, settings)])
+    return (shown - images)[1::2].reshape(len(between), -1)
+
+
 def test_errors_have_students_law_in_units_of_what_left_out_frames_ask_for() -> None:
     """With 3 degrees of freedom its median is 0.765 of the scale, and 1 % is above 5.84."""
     rng, t_us = np.random.default_rng(3), np.arange(60) * 10_000
     scene = scene_of(rng.uniform(100, 110, (60, 40, 40)).astype(np.float32), t_us, "cubic")
-    largest = maximum_filter(scene.surprise.reshape(scene.taken.shape), (1, 3, 3))
-    errors = []
-    for (shown, t), image in zip(light_behind(scene, 0, DEFAULT_RIG), scene.images, strict=True):
-        gap, phase = t // 10_000, t % 10_000 / 10_000
-        if phase:
-            unit = 4 * phase * (1 - phase) * np.maximum(largest[gap], largest[gap + 1])
-            errors.append(np.abs(shown - image) / unit)
-    assert np.median(errors) == pytest.approx(0.765 * DEFAULT_RIG.curve_error, rel=0.02)
-    assert np.quantile(errors, 0.99) == pytest.approx(5.84 * DEFAULT_RIG.curve_error, rel=0.05)
+    settings = replace(DEFAULT_RIG, on_curves=LightError(0.05, 0.0))
+    largest = maximum_filter(scene.surprise.reshape(scene.taken.shape), (1, 3, 3)).reshape(60, -1)
+    errors = np.abs(half_way(scene, settings)) / np.maximum(largest[:-1], largest[1:])
+    assert np.median(errors) == pytest.approx(0.765 * 0.05, rel=0.02)
+    assert np.quantile(errors, 0.99) == pytest.approx(5.84 * 0.05, rel=0.05)
+
+
+def zigzag(amount: float) -> Scene:
+    """Half of the pixels go up and down a ramp; to each frame comes so much of its step at random."""
+    rng, t_us = np.random.default_rng(4), np.arange(200) * 10_000
+    ramp = 100 + 0.5 * np.abs((np.arange(200) + 20) % 80 - 40.0)
+    taken = np.tile(ramp[:, None, None], (1, 20, 20))
+    taken += amount * 0.5 * rng.uniform(-1, 1, taken.shape)
+    taken[:, :, 10:] = 100
+    return scene_of(taken.astype(np.float32), t_us, "cubic")
+
+
+def test_surprise_by_change_is_what_is_not_straight_over_the_step() -> None:
+    assert zigzag(0.0).surprise_by_change == pytest.approx(0.0, abs=1e-3)
+    little, much = zigzag(0.1).surprise_by_change, zigzag(0.2).surprise_by_change
+    assert much == pytest.approx(2 * little, rel=0.1)
+
+
+def test_errors_grow_with_the_change_and_lean_from_quarter_to_quarter() -> None:
+    scene, settings = zigzag(0.2), replace(DEFAULT_RIG, on_curves=LightError(0.0, 0.2))
+    error = half_way(scene, settings)
+    change = np.abs(np.diff(scene.taken, axis=0)).reshape(len(error), -1)
+    assert not error[change == 0].any()
+    unit = 0.2 * scene.surprise_by_change * change[change > 0]
+    assert np.median(np.abs(error[change > 0]) / unit) == pytest.approx(0.765, rel=0.02)
+    first, third = (np.clip(half_way(scene, settings, way)[change > 0] / unit, -9, 9) for way in (0.25, 0.75))
+    assert 0.1 < np.corrcoef(first, third)[0, 1] < 0.35  # 0.22 where no draw is large
 
 
 def test_guessed_light_is_known_where_it_goes_straight_and_nothing_surprises_before_or_after() -> None:

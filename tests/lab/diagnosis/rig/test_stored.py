@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from voltcam_lab.diagnosis.rig.rig import Rig
-from voltcam_lab.diagnosis.rig.settings import RigSettings
+from voltcam_lab.diagnosis.rig.settings import LightError, RigSettings
 from voltcam_lab.diagnosis.rig.stored import StoredRig
 from voltcam_lab.diagnosis.session import session_of
 from voltcam_lab.health import inspect
@@ -39,7 +39,7 @@ def test_runs_are_kept_and_a_broken_one_is_made_anew(
     np.testing.assert_array_equal(session.rig.run(parameters, SEEDS), first)
     assert len(made) == 4
     assert (StoredRig(session.rig.setting, tmp_path / "runs", seed=1).run(parameters, SEEDS) != first).any()
-    other = RigSettings(curve_error=0.4)
+    other = RigSettings(on_curves=LightError(0.4, 0.24))
     bent = StoredRig(session.rig.setting, tmp_path / "runs", settings=other).run(parameters, SEEDS)
     assert (bent != first).any()
     session.rig.run(parameters.changed({"comparator": {"theta_on": 1.1}}), SEEDS)
