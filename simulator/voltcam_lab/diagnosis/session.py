@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from voltcam_simulator import Camera, Parameters
 
 from ..health import EventsLate, Finding, Health, Inspection
-from ..light.between_frames import CURVES, calm, frame_noise2, scene_between, untrusted_share
+from ..light.between_frames import calm, frame_noise2, scene_between, untrusted_share
 from ..light.scene import Scene
 from ..light.unrounded import rounding_errors, unrounded
 from ..recordings import Footage
@@ -190,7 +190,7 @@ def best_scene(
         frames = unrounded(frames)
         rounding = rounding_errors(frames)[..., columns]
     scene = scene_between(frames, t_us, columns, untrusted_share)
-    if scene.how in CURVES:
+    if scene.on_curves:
         scene = scene.coarser()
     return scene if rounding is None else scene.with_rounding(rounding)
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, gaussian_filter1d, laplace, uniform_filter1d
 
 from .grey import USUAL_DARK_DN, WHITE_DN
-from .scene import How, Scene, scene_of
+from .scene import CURVES, Scene, scene_of
 
 NOISIEST_DN = 3.0  # of a difference between frames: more is motion
 STILL_FRAMES = 5
@@ -23,7 +23,6 @@ NEAR_PIXELS = 1.5  # noise is a pixel's own, motion is its neighbours', too
 WIDEST = 0.8  # pixels: the blur of linear interpolation half-way between four pixels is 0.7
 HALVINGS = 5
 ALIKE = 1.02  # ratio of powers that needs no blur
-CURVES: tuple[How, ...] = ("spline", "cubic")
 WELL_SAMPLED = 0.9  # share of the light that is trusted from which nothing better than a curve is looked for
 HOPELESS = 0.4  # of the brightness: light that is less sure tells nothing more
 

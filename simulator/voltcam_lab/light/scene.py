@@ -18,6 +18,7 @@ from .spline import along_spline
 
 How = Upsampling | Literal["spline"]
 """As in `voltcam_video.between`, or along a spline through all frames."""
+CURVES: tuple[How, ...] = ("spline", "cubic")
 _LEAST_CHANGE = 1e-6  # DN
 _ROUNDING = 0.5  # by which a grey level that is no whole number may be off [DN]
 CHORD = 0.002  # of the brightness, a hundredth of a threshold: more makes events go with the phase of frames
@@ -51,6 +52,11 @@ class Scene:
     def width(self) -> int:
         """Columns."""
         return int(self.images.shape[2])
+
+    @property
+    def on_curves(self) -> bool:
+        """Whether light between frames lies on curves through them; else it goes along a motion."""
+        return self.how in CURVES
 
     def frames(self) -> Iterator[Frame]:
         """The images, one by one."""

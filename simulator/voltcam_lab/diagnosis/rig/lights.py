@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter
 
-from ...light.between_frames import CURVES
 from ...light.known import Events, KnownLight
 from ...light.scene import ENOUGH_EACH, TOLERANCES, Scene
 from .settings import RigSettings
@@ -32,7 +31,7 @@ def light_behind(
     rng = np.random.default_rng(version)
     largest = maximum_filter(scene.surprise.reshape(scene.taken.shape), (1, 3, 3))
     times = settings.noisier if noisier else 1.0
-    error = settings.on_curves if scene.how in CURVES else settings.along_motion
+    error = settings.on_curves if scene.on_curves else settings.along_motion
     of_change = error.of_change * scene.surprise_by_change
     shape, last = scene.taken.shape[1:], len(scene.taken_us) - 1
     frame, gap, lean = -1, np.zeros(shape, np.float32), np.zeros(shape, np.float32)
@@ -59,7 +58,7 @@ def known_light(scene: Scene, events: Events) -> KnownLight:
     Motion is a guess. So light along it is not known where it leaves the straight line from frame to frame,
     nor in the gaps before and behind a surprise: an edge may go by unseen there.
     """
-    if scene.how in CURVES:
+    if scene.on_curves:
         return scene.known()
     enough = [min(ENOUGH_EACH, np.count_nonzero(events["p"] == p) / 2) for p in (False, True)]
     for tolerance in _TOLERANCES[:-1]:

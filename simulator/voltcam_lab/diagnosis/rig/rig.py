@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from voltcam_simulator import EVENT, Parameters, Simulator
 
-from ...light.between_frames import CURVES
 from ...models.run_up import run_up
 from ...statistics import COUNTS, Setting, Values, observe
 from ..catalogue.entries import acts_across_columns, lead_in_us
@@ -51,8 +50,8 @@ class Rig:
 
     @property
     def light_is_guessed(self) -> bool:
-        """Whether light between frames goes along a motion, not on a curve through the frames."""
-        return self.setting.scene.how not in CURVES
+        """Whether light between frames goes along a motion, not on curves through them."""
+        return not self.setting.scene.on_curves
 
     @cached_property
     def lights(self) -> Lights:

@@ -40,6 +40,13 @@ def test_p_values_are_uniform_where_light_adds_to_the_gain() -> None:
     assert stats.binomtest(sum(p <= 0.01 for p in p_values), 400, 0.01).pvalue > 1e-4
 
 
+def test_guessed_light_adds_more_to_a_gain_than_light_on_a_curve() -> None:
+    """The same gain is so more likely where nothing is missing."""
+    curve = screen(np.random.default_rng(4).gumbel(3, 3, TWINS))
+    guessed = replace(curve, light_gain=DEFAULTS.score_test.guessed_light_gain)
+    assert guessed.p_value(40.0) > 5 * curve.p_value(40.0)
+
+
 def test_a_larger_gain_is_less_likely_and_beyond_all_twins_still_so() -> None:
     twins = np.random.default_rng(4).gumbel(3, 3, TWINS)
     p_values = np.array([screen(twins).p_value(gain) for gain in np.arange(0.0, 400.0, 5.0)])
