@@ -199,12 +199,12 @@ def camera_routes(cameras: Cameras, rules: SourceRules, recordings: Path, least_
         wanted = await read_model(request, RecordingRequest)
         path = resolve_under([recordings], wanted.path)
         plan = RecordingPlan(path, wanted.rotate_bytes, wanted.rotate_s, least_free_bytes)
-        return await run_in_threadpool(camera.emulator.record, plan)
+        return await run_in_threadpool(camera.emulator.recordings.begin, plan)
 
     @api.delete("/recording", responses=refuses(404, 409))
     async def delete_recording(camera: RunningCamera = chosen) -> RecordingStatus:
-        """Finishes the file."""
-        return await run_in_threadpool(camera.emulator.end_recording)
+        """Finishes the file. What takes over 5 s goes on: `ending` of the status tells until when."""
+        return await run_in_threadpool(camera.emulator.recordings.end)
 
     @api.get("/status", responses=refuses(404))
     async def get_status(camera: RunningCamera = chosen) -> Status:

@@ -80,7 +80,7 @@ def serve(
             cameras.replace([*cameras, RunningCamera.of(plan, around)])
         cameras.start()
         if record:
-            cameras.get().emulator.record(
+            cameras.get().emulator.recordings.begin(
                 RecordingPlan(Path(record), least_free_bytes=settings.least_free_bytes)
             )
         if settings.announce:

@@ -27,14 +27,15 @@ from .overload import OverloadSettings
 from .pacer import Pacer
 from .problems import UsageError
 from .publisher import Publisher
-from .recorder import Recorder, RecordingPlan, RecordingStatus
+from .recorder import Recorder
+from .recordings import Recordings
 from .simulation import Simulation
 from .stages import stage_histogram
 from .status import FrameCounts, LatencyStatus, Meter, SourceStatus, State, Status, Waiting
 from .transports import Transport
 
 STATUS_PERIOD_S = 1.0
-END_S, CLOSE_S = 1.5, 1.5  # for threads, and for a recording, when the daemon ends
+END_S = 1.5  # for threads when the daemon ends
 STALLED_S = 5.0  # so long without an interval's end is more than any overload takes
 
 
@@ -65,6 +66,7 @@ class Emulator:
     ) -> None:
         self.camera = camera
         self.simulation = Simulation(camera, law, seed, upsample, overload, davis, device)
+        self.recordings = Recordings(self.simulation)
         self.failure: Exception | None = None
         self._transports = transports
         self._on_status, self._on_failure = on_status, on_failure
@@ -78,11 +80,10 @@ class Emulator:
         self._clock = clock or Clock()
         self._capture = self._capture_of(source)
         self._opening: Capture | None = None
-        self._control = threading.Lock()  # one change of source or recording at a time; held briefly
+        self._control = threading.Lock()  # one change of source at a time; held briefly
         self._looking = threading.Lock()  # held while a source is opened
-        self._recorder: Recorder | None = None
         self._arrived = Meter()
-        self._stalls, self._recording_errors = 0, 0
+        self._stalls = 0
         self._busy: tuple[float, float] | None = None  # arrival of the frame at hand, and begin of its work
         self._started_s = time.monotonic()
         self._stopping = False
@@ -117,14 +118,12 @@ class Emulator:
             for thread in self._threads:
                 if thread.ident is not None:
                     thread.join(max(0.0, deadline_s - time.monotonic()))
-            if self._recorder:
-                self._recorder.close(CLOSE_S)
+        self.recordings.close()
 
     @property
     def busy(self) -> bool:
         """After `stop`: whether something goes on that cannot be ended, such as an interval of seconds."""
-        recorder = self._recorder
-        return any(thread.is_alive() for thread in self._threads) or (recorder is not None and recorder.busy)
+        return self.recordings.busy or any(thread.is_alive() for thread in self._threads)
 
     @property
     def histograms(self) -> tuple[Histogram, Histogram]:
@@ -200,29 +199,6 @@ class Emulator:
             capture.start()
             capture.go()
 
-    def record(self, plan: RecordingPlan) -> RecordingStatus:
-        """Begin a recording. Raises FormatError, RecordingError, or UsageError when there is one already."""
-        with self._control:
-            self._check_running()
-            if self._recorder and self._recorder.status.recording:
-                raise UsageError(f"{self._recorder.status.path} is being recorded: end that recording first")
-            former, self._recorder = self._recorder, None
-            if former:
-                former.close()
-                self._recording_errors += former.status.error is not None
-            self._recorder = Recorder(plan, self.simulation.setup)
-            return self._recorder.status
-
-    def end_recording(self) -> RecordingStatus:
-        """Finish the recording. Raises UsageError when there is none."""
-        with self._control:
-            recorder, self._recorder = self._recorder, None
-        if recorder is None:
-            raise UsageError("nothing is being recorded: begin with POST /api/v1/recording")
-        recorder.close()
-        self._recording_errors += recorder.status.error is not None
-        return recorder.status
-
     @property
     def state(self) -> tuple[State, str]:
         """How it is, and why where that is not "running"."""
@@ -249,7 +225,7 @@ class Emulator:
 
     @property
     def status(self) -> Status:
-        simulation, mailbox, recorder = self.simulation, self._mailbox, self._recorder
+        simulation, mailbox, recordings = self.simulation, self._mailbox, self.recordings
         state, reason = self.state
         return Status(
             state=state,
@@ -271,21 +247,21 @@ class Emulator:
             parameters_version=simulation.parameters[1],
             uptime_s=round(time.monotonic() - self._started_s, 3),
             transports={transport.name: transport.status for transport in self._transports},
-            recording=recorder.status if recorder else None,
+            recording=recordings.status,
             waiting=Waiting(
                 frames=mailbox.waiting,
                 intervals=self._pacer.waiting,
-                recording=recorder.waiting if recorder else 0,
+                recording=recordings.waiting,
             ),
             stalls=self._stalls,
-            recording_errors=self._recording_errors + bool(recorder and recorder.status.error),
+            recording_errors=recordings.errors,
         )
 
     def _simulate(self) -> None:
         while (arrival := self._mailbox.take()) is not None:
             began_s = time.monotonic()
             self._busy = arrival.at_s, began_s
-            recorder = self._recorder
+            recorder = self.recordings.recorder
             if recorder:
                 recorder.look(self.simulation, self._capture.request.shown)
             self.stages.labels("waiting").observe(began_s - arrival.at_s)

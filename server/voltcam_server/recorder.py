@@ -45,6 +45,9 @@ class RecordingStatus(BaseModel):
     recording: bool
     """whether it runs"""
 
+    ending: bool
+    """whether it was told to end, and what waits for the disk is still being written"""
+
     files: int
     """so far"""
 
@@ -137,7 +140,8 @@ class Recorder:
         files = [*self._ended, self._file]
         return RecordingStatus(
             path=str(self._file.path),
-            recording=self._error is None and self._thread.is_alive(),
+            recording=self._error is None and self.busy and not self._closing,
+            ending=self.busy and self._closing,
             files=len(files),
             events=sum(file.events for file in files),
             frames=sum(file.frames for file in files),

@@ -41,3 +41,9 @@ def unpack(keys: Any, start_us: Any, t: Any, x: Any, y: Any, p: Any) -> None:
         y[i] = (key >> _Y_SHIFT) & _AXIS_MASK
         x[i] = (key >> _X_SHIFT) & _AXIS_MASK
         p[i] = (key & _ONE) != 0
+
+
+@kernel
+def unpack_events(keys: Any, start_us: Any, events: Any) -> None:
+    """Sorted event keys to an event array: one kernel for any number of events."""
+    unpack(keys, start_us, events.t, events.x, events.y, events.p)

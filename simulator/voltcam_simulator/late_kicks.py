@@ -1,10 +1,7 @@
 """Voltages that are kicked some time after events, of the same pixel or of others.
 
 The pixels have gone through an interval without these kicks. Where one comes, the pixel's path is followed
-again from there: straight from what is known of it to what is known next, which is the voltage at both ends
-of the interval, the threshold at each event and 0 behind it. So an event comes earlier or later, comes in
-addition or does not come, as it does in a pixel without noise, however time is cut into intervals; what the
-noise does between two instants that are known is left out.
+again from there, see `kicked_paths`: so an event comes earlier or later, comes in addition or does not come.
 """
 
 from typing import Any, NamedTuple
@@ -15,11 +12,12 @@ from .effect import EventInterval, Events, Sensor, State
 from .event_order import in_time_order
 from .kernel import kernel
 from .kick_queue import pop, push, send
+from .kicked_paths import follow_to, kick, next_event, pass_event, paths_of, take_ends
 from .random import events_key
 
 LONG_AGO_US = -(2**62)
-FULL = 0.999
-"""Of a threshold: the most that a voltage is left at."""
+MOST_STEPS = 1 << 16
+"""Of a walk at once: some 10 ms. Between two of these the interval may be given up."""
 OWN = np.array([[0, 0]])
 NEIGHBOURS = np.array([[-1, 0], [1, 0], [0, -1], [0, 1]])
 
@@ -41,23 +39,23 @@ class KickRule(NamedTuple):
     """(m, 2) int64: the pixels that get one, as steps in x and y."""
 
 
-class KickedPaths(NamedTuple):
-    """Of each pixel in an interval: what it would do without kicks, and what it does; (pixels,) each."""
+class Walk(NamedTuple):
+    """How far an interval has been followed."""
 
-    following: Any
-    """int64, number of its next event without kicks; -1: none."""
-    knot_us: Any
-    """float64, from when its path without kicks is straight to the next event or the end..."""
-    knot: Any
-    """...and where it is until then."""
-    end: Any
-    """Its voltage without kicks at the end of the interval."""
-    offset: Any
-    """Its voltage less that without kicks."""
-    last_us: Any
-    """int64, time of its last event."""
-    now_us: Any
-    """float64, up to when it has been followed."""
+    queue: Any
+    """The kicks on their way, a `kick_queue`..."""
+    queued: Any
+    """...and how many."""
+    out: Any
+    """Space for events with kicks, in no order..."""
+    written: Any
+    """...and how many."""
+    clock_us: Any
+    """Up to when."""
+    passed: Any
+    """How many of the events without kicks are behind."""
+    ended: Any
+    """How many pixels have come to the end."""
 
 
 def late_kick_state(sensor: Sensor) -> State:
@@ -72,33 +70,51 @@ def late_kick_state(sensor: Sensor) -> State:
 
 
 def kicked(name: str, rule: KickRule, events: Events, interval: EventInterval) -> Events:
-    """The events of an interval with kicks by this rule, sorted; changes the voltages at its end."""
+    """The events of an interval with kicks by this rule, sorted; changes the voltages at its end.
+
+    Raises GivenUpError, with the voltages as they were.
+    """
     sensor, state = interval.sensor, interval.state[name]
-    interval.admit(len(events) * (1 + len(rule.targets)))
-    found, state["waiting"] = follow_kicks(
-        events, interval.start_us, interval.end_us, rule, events_key(sensor.seed, name, 0), sensor.theta_on,
-        sensor.theta_off, sensor.refractory_us, interval.voltage, state["before"], state["last_us"],
-        state["waiting"],
-    )  # fmt: skip
-    return in_time_order(found)
+    width, last_us = sensor.width, state["last_us"]
+    theta_on, theta_off = np.ascontiguousarray(sensor.theta_on), np.ascontiguousarray(sensor.theta_off)
+    paths, later = paths_of(
+        events, interval.start_us, interval.voltage, state["before"], last_us, sensor.refractory_us, width
+    )
+    key = events_key(sensor.seed, name, 0)
+    walk = start_of_walk(events, interval.start_us, state["waiting"])
+    is_over = False
+    while not is_over:
+        interval.admit(max(walk.written, walk.queued))
+        walk, is_over = follow_kicks(
+            events, interval.end_us, rule, key, theta_on, theta_off, sensor.refractory_us, paths, later, walk,
+            MOST_STEPS,
+        )  # fmt: skip
+    take_ends(paths, theta_on, theta_off, interval.voltage, state["before"])
+    state["waiting"] = walk.queue[: walk.queued].copy()
+    return in_time_order(walk.out[: walk.written])
+
+
+@kernel
+def start_of_walk(events: Any, start: Any, waiting: Any) -> Any:
+    """A walk before its first step; waiting (m, 3): a kick queue."""
+    queue, queued = np.empty((max(16, 2 * waiting.shape[0]), 3)), waiting.shape[0]
+    queue[:queued] = waiting
+    return Walk(queue, queued, np.empty(2 * events.shape[0] + 16, events.dtype), 0, np.float64(start), 0, 0)
 
 
 @kernel
 def follow_kicks(
-    events: Any, start: Any, end: Any, rule: Any, key: Any, theta_on: Any, theta_off: Any, dead: Any,
-    voltage: Any, before: Any, last: Any, waiting: Any,
+    events: Any, end: Any, rule: Any, key: Any, theta_on: Any, theta_off: Any, dead: Any, paths: Any,
+    later: Any, walk: Any, most: Any,
 ) -> Any:  # fmt: skip
-    """(events with kicks, in no order; kicks still on their way).
+    """(Walk, at most so many steps further; whether it is over). Changes the paths.
 
-    theta_on, theta_off (height, width); voltage, before, last (pixels,): changed; dead: time [us].
+    theta_on, theta_off (height, width); dead: time [us]; later (n,): see `paths_of`.
     """
     (height, width), n = theta_on.shape, events.shape[0]
-    paths, later = paths_of(events, start, voltage, before, last, dead, width)
-    queue, queued = np.empty((max(16, 2 * waiting.shape[0]), 3)), waiting.shape[0]
-    queue[:queued] = waiting
-    out, written = np.empty(2 * n + 16, events.dtype), 0
-    clock, i, ended = np.float64(start), 0, 0
-    while True:
+    queue, queued, out, written = walk.queue, walk.queued, walk.out, walk.written
+    clock, i, ended = walk.clock_us, walk.passed, walk.ended
+    for _ in range(most):
         until, size = events[i].t if i < n else end, 0.0
         while i == n and ended < width * height and paths.offset[ended] == 0.0:
             ended += 1
@@ -112,7 +128,7 @@ def follow_kicks(
             clock, pixel = np.float64(end), np.int64(ended)
             ended += 1
         else:
-            break
+            return Walk(queue, queued, out, written, clock, i, ended), True
         on, off = theta_on[pixel // width, pixel % width], theta_off[pixel // width, pixel % width]
         while True:
             side = follow_to(paths, pixel, clock, events, end, on, off, dead)
@@ -134,122 +150,7 @@ def follow_kicks(
             side, at = next_event(paths, pixel, events, end, on, off, dead)
             if side != 0:
                 queue, queued = push(queue, queued, at, pixel, 0.0)  # nothing but a look then
-    for k in range(width * height):
-        if paths.offset[k] != 0.0:
-            on, off = theta_on[k // width, k % width], theta_off[k // width, k % width]
-            voltage[k] = min(max(paths.end[k] + paths.offset[k], -FULL * off), FULL * on)
-        before[k] = voltage[k]
-    return out[:written].copy(), queue[:queued].copy()
-
-
-@kernel
-def paths_of(events: Any, start: Any, voltage: Any, before: Any, last: Any, dead: Any, width: Any) -> Any:
-    """(KickedPaths at the start of an interval, (n,) the number of the same pixel's next event)."""
-    pixels, n = voltage.shape[0], events.shape[0]
-    following, later = np.full(pixels, -1), np.empty(n, np.int64)
-    for i in range(n - 1, -1, -1):
-        pixel = np.int64(events[i].y) * width + np.int64(events[i].x)
-        later[i], following[pixel] = following[pixel], i
-    knot_us, knot, end = np.empty(pixels), np.empty(pixels), np.empty(pixels)
-    for pixel in range(pixels):
-        knot_us[pixel] = max(np.float64(start), last[pixel] + dead)
-        end[pixel] = voltage[pixel]
-        knot[pixel] = before[pixel]
-        if np.isnan(before[pixel]):
-            knot[pixel] = 0.0 if following[pixel] >= 0 else end[pixel]
-    now = np.full(pixels, np.float64(start))
-    return KickedPaths(following, knot_us, knot, end, np.zeros(pixels), last, now), later
-
-
-@kernel
-def without_kicks(paths: Any, pixel: Any, t: Any, events: Any, end: Any, on: Any, off: Any) -> Any:
-    """Where the pixel would be at a time not behind its next event, before the reset of that."""
-    i = paths.following[pixel]
-    at, level = np.float64(end), paths.end[pixel]
-    if i >= 0:
-        at, level = np.float64(events[i].t), np.float64(on if events[i].p else -off)
-    since = paths.knot_us[pixel]
-    if t >= at:
-        return level
-    if t <= since:
-        return paths.knot[pixel]
-    return paths.knot[pixel] + (level - paths.knot[pixel]) * (t - since) / (at - since)
-
-
-@kernel
-def next_event(paths: Any, pixel: Any, events: Any, end: Any, on: Any, off: Any, dead: Any) -> Any:
-    """(sign, time) of the next event of a pixel that was kicked, up to the next one that it would have had
-    without; 0: none until then."""
-    i, now, offset = paths.following[pixel], paths.now_us[pixel], paths.offset[pixel]
-    until = np.float64(events[i].t if i >= 0 else end)
-    free = np.float64(paths.last_us[pixel] + dead)
-    if free >= until and dead > 0.0:
-        return 0, until
-    if free > now:  # held at 0: what moves the pixel meanwhile is lost
-        now, offset = free, -without_kicks(paths, pixel, free, events, end, on, off)
-    now = min(max(now, paths.knot_us[pixel]), until)
-    begin = without_kicks(paths, pixel, now, events, end, on, off) + offset
-    level = without_kicks(paths, pixel, until, events, end, on, off) + offset
-    if level >= on:
-        return 1, now + max((on - begin) / (level - begin) if level > begin else 0.0, 0.0) * (until - now)
-    if level <= -off:
-        return -1, now + max((off + begin) / (begin - level) if level < begin else 0.0, 0.0) * (until - now)
-    return 0, until
-
-
-@kernel
-def follow_to(paths: Any, pixel: Any, t: Any, events: Any, end: Any, on: Any, off: Any, dead: Any) -> Any:
-    """Follow a pixel to its next event that it would not have had then, or to t: the event's sign, or 0."""
-    now = paths.now_us[pixel]
-    if paths.offset[pixel] != 0.0 and now <= t:
-        side, at = next_event(paths, pixel, events, end, on, off, dead)
-        if side != 0 and at <= t:
-            fire(paths, pixel, at, events, end, on, off)
-            return side
-        free = min(np.float64(paths.last_us[pixel] + dead), t)
-        if free > now:
-            paths.offset[pixel] = -without_kicks(paths, pixel, free, events, end, on, off)
-    paths.now_us[pixel] = max(now, t)
-    return 0
-
-
-@kernel
-def fire(paths: Any, pixel: Any, t: Any, events: Any, end: Any, on: Any, off: Any) -> None:
-    """An event of the pixel that it would not have had then: its voltage is 0 behind it."""
-    paths.offset[pixel] = -without_kicks(paths, pixel, t, events, end, on, off)
-    paths.now_us[pixel], paths.last_us[pixel] = t, np.int64(t)
-
-
-@kernel
-def kick(
-    paths: Any, pixel: Any, t: Any, size: Any, events: Any, end: Any, on: Any, off: Any, dead: Any
-) -> Any:
-    """Kick a pixel that was followed to t: the sign of the event that this sets off, or 0."""
-    if paths.last_us[pixel] + dead > t + 1:
-        return 0  # held
-    raised = without_kicks(paths, pixel, t, events, end, on, off) + paths.offset[pixel] + size
-    if -off < raised < on:
-        paths.offset[pixel] += size
-        return 0
-    fire(paths, pixel, t, events, end, on, off)
-    return 1 if raised > 0 else -1
-
-
-@kernel
-def pass_event(
-    paths: Any, pixel: Any, t: Any, side: Any, following: Any, on: Any, off: Any, dead: Any
-) -> Any:
-    """Let a pixel, followed to t, go by an event that it would have had without kicks: whether it has it."""
-    paths.following[pixel] = following
-    paths.knot_us[pixel], paths.knot[pixel] = t + dead, 0.0
-    if t - paths.last_us[pixel] + 1 < dead:  # times are whole microseconds
-        paths.offset[pixel] = 0.0
-        return False
-    if paths.offset[pixel] == 0.0:
-        paths.last_us[pixel] = t
-        return True
-    paths.offset[pixel] += on if side > 0 else -off
-    return False
+    return Walk(queue, queued, out, written, clock, i, ended), False
 
 
 @kernel

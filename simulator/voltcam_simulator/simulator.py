@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .camera_file import SIDE_LIMIT
 from .effect import EVENT, Events, Image, Plane
-from .event_key import TIME_BITS, unpack
+from .event_key import TIME_BITS, unpack_events
 from .event_stages import NO_PLANE, EventStages
 from .fixed_pattern import FixedPattern
 from .law import Law
@@ -126,7 +126,7 @@ class Simulator:
         On "cuda" also an array on the device, of a library that has `__cuda_array_interface__` or DLPack.
         t_us: its time, int microseconds, later than the last one. The first frame gives no events.
         Returns an array of dtype EVENT. Raises ValueError, with nothing changed, for a wrong shape, values
-        that are negative or not finite, or a time that does not advance; and GivenUpError beyond the limits,
+        that are negative or above 1e12, or a time that does not advance; and GivenUpError beyond the limits,
         with the sensor somewhere on the way to the frame: `jump` to a frame to go on.
         """
         return self.report(self.draw(frame, t_us, limits))
@@ -228,7 +228,7 @@ class Simulator:
         start_us = drawn.start_us
         keys = self._pixels.host_keys(self._in_order(drawn))
         events = np.empty(keys.size, EVENT)
-        unpack(keys, start_us, events["t"], events["x"], events["y"], events["p"])
+        unpack_events(keys, start_us, events)
         return self._stages.passed(events, start_us, drawn.end_us, drawn.interval, drawn.light, drawn.limits)
 
     def _reported_on_device(self, drawn: Drawn) -> Any:

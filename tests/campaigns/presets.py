@@ -26,6 +26,11 @@ from voltcam_simulator.effect import Events
 
 DATA = Path(os.environ.get("VOLTCAM_DATA", Path(__file__).parents[3] / "shared" / "data"))
 RECORDINGS = {"davis240c": "slider_depth", "davis346": "davis346_street/davis346.aedat4"}
+FRAMES = {
+    "slider_depth": {"input_response": {"pedestal_dn": 9.63, "white_level_dn": 113.0, "highlight": 1.344}},
+    "davis346.aedat4": {"input_response": {"highlight": 1.261}},
+}
+"""What a camera's frames are that the preset, which sees light, does not have."""
 PUBLISHED = {"davis240c": ("paper240c",), "davis346": ("paper", "typical")}
 QUIET, SEED = 0.25, 1
 
@@ -67,7 +72,8 @@ def counted(path: Path, cameras: tuple[str, ...], seed: int = SEED) -> Iterator[
     yield "real", totals(footage.events, region, light, quiet)
     scene = scene_of(footage.frames, footage.frame_t_us, "auto")
     for name in cameras:
-        model = MODELS["exact"](footage.width, footage.height, Parameters.of(name), seed)
+        parameters = Parameters.of(name).changed(FRAMES.get(path.name, {}))
+        model = MODELS["exact"](footage.width, footage.height, parameters, seed)
         yield name, totals(simulate(model, scene), region, light, quiet)
 
 

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict
 
 from voltcam_client.formats import FormatError, Recording
-from voltcam_lab.diagnosis.outcome.conclude import size_estimates
 from voltcam_lab.diagnosis.outcome.generic import terms_left
 from voltcam_lab.diagnosis.outcome.result import IntervalEstimate
+from voltcam_lab.diagnosis.outcome.sizes import size_estimates
 from voltcam_lab.diagnosis.residual.fit import GenericTerm
 from voltcam_lab.diagnosis.rig.rig import Rig
 from voltcam_lab.diagnosis.search.hypothesis import Hypothesis

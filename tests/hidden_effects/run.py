@@ -38,7 +38,7 @@ def diagnosed(case: Case, diagnosis: Callable[[Question], Verdict] = ask) -> Lin
     begun, cpu = time.perf_counter(), time.process_time()
     verdict = diagnosis(asked)
     return Line(
-        case=case.name, code=digest(), verdict=verdict, cpu_s=time.process_time() - cpu,
+        case=case.name, code=digest(__name__), verdict=verdict, cpu_s=time.process_time() - cpu,
         wall_s=time.perf_counter() - begun,
     )  # fmt: skip
 
@@ -105,7 +105,7 @@ def _in_process(case: Case, work: Work, sender: Connection) -> None:
     try:
         line = work(case)
     except Exception as error:  # counts as wrong
-        line = Line(case=case.name, code=digest(), error=f"{type(error).__name__}: {error}")
+        line = Line(case=case.name, code=digest(__name__), error=f"{type(error).__name__}: {error}")
     sender.send(line.model_dump_json())
 
 
@@ -114,7 +114,8 @@ def _answer(case: Case, receiver: Connection, process: SpawnProcess) -> Line:
         line = Line.model_validate_json(receiver.recv())
     except EOFError:
         process.join()
-        line = Line(case=case.name, code=digest(), error=f"its process ended with {process.exitcode}")
+        ended = f"its process ended with {process.exitcode}"
+        line = Line(case=case.name, code=digest(__name__), error=ended)
     process.join()
     receiver.close()
     return line

@@ -64,9 +64,11 @@ def _asked(found: Sequence[Outcome]) -> str:
         )
         lines.append(_line("the same without refinement", "", likeliest, RATIO, len(found)))
     late = np.abs([one.late_us for one in good]) / 1000
+    anyway = np.abs([one.true.lag_us for one in good if one.true is not None]) / 1000
     wrong = np.abs([one.delay_us - one.true_delay_us for one in good]) / 1000
     most = DELAY_US / 1000
     lines.append(_line("events late or early, ms", f"at most {most:g}", late, most, len(found)))
+    lines.append(_line("the same with the true values", "", anyway, most, len(found)))
     lines.append(_line("`latency.delay_us`, off by ms", f"at most {most:g}", wrong, most, len(found)))
     return "\n".join(lines)
 

@@ -12,7 +12,7 @@ from voltcam_lab.recordings import Footage, with_frames
 
 from .hidden_camera import HiddenCamera, draw_camera
 
-REPORTED_FROM = 71_000  # seeds below are for development
+REPORTED_FROM = 73_000  # seeds below are for development; earlier reports had 71 000 on and 72 000 on
 FPS = (25.0, 40.0)
 LIGHT = (0.35, 1.0)  # of the light that scenes are drawn in; the two of a pair are apart by...
 APART = 1.4  # ...this factor at least

@@ -18,7 +18,7 @@ Work = Callable[[Pair], Outcome]
 def run(pairs: Iterable[Pair], file: Path, jobs: int, work: Work | None = None) -> Generator[Outcome]:
     """Judge the pairs that are not in `file`, `jobs` at a time; yields outcomes when they are written."""
     done = {outcome.seed for outcome in read(file)}
-    work = work or partial(judged, code=digest())
+    work = work or partial(judged, code=digest(__name__))
     file.parent.mkdir(parents=True, exist_ok=True)
     spawn = multiprocessing.get_context("spawn")
     # A worker ends after each pair, so that none works in what another has left.

@@ -13,6 +13,7 @@ import cv2
 import httpx
 import msgpack
 import numpy as np
+import pytest
 import uvicorn
 from fastapi import FastAPI
 from numpy.typing import NDArray
@@ -43,6 +44,7 @@ from voltcam_server.emulator import Emulator
 from voltcam_server.mailbox import Arrival
 from voltcam_server.messages import Message
 from voltcam_server.recorder import RecordingPlan
+from voltcam_server.recording_file import RecordingFile
 from voltcam_server.reload import ReloadAnswer
 from voltcam_server.transports import Transport, TransportStatus, WebSocketTransport
 from voltcam_simulator import Camera, Parameters
@@ -136,6 +138,18 @@ class Listener(Transport):
         pass
 
 
+def slow_disk(monkeypatch: pytest.MonkeyPatch) -> threading.Event:
+    """From now on recordings write nothing until this is set."""
+    go, write = threading.Event(), RecordingFile.write
+
+    def slow(file: RecordingFile, *what: Any) -> None:
+        assert go.wait(PATIENCE_S)
+        write(file, *what)
+
+    monkeypatch.setattr(RecordingFile, "write", slow)
+    return go
+
+
 def gap_free(listener: Listener) -> bool:
     return [packet.seq for packet in listener.packets] == list(range(len(listener.packets)))
 
@@ -148,18 +162,24 @@ def in_order(listener: Listener) -> bool:
 def emulating(
     source: SourceRequest, camera: Camera | None = None, **settings: Any
 ) -> Iterator[tuple[Emulator, Listener]]:
-    """A running emulator and its listener; it must not have failed at the end."""
+    """A running emulator and its listener, which keeps all that it hears."""
     listener = Listener()
-    emulator = Emulator(camera or tiny(), source, transports=[listener], **settings)
-    listener.start()
+    with started(Emulator(camera or tiny(), source, transports=[listener], **settings), listener) as emulator:
+        yield emulator, listener
+
+
+@contextlib.contextmanager
+def started(emulator: Emulator, transport: Transport) -> Iterator[Emulator]:
+    """The emulator and its transport run; it must not have failed at the end."""
+    transport.start()
     try:
         emulator.start()
-        yield emulator, listener
+        yield emulator
         if emulator.failure is not None:
             raise emulator.failure
     finally:
         emulator.stop()
-        listener.stop()
+        transport.stop()
 
 
 def open_access(recordings: Path = Path("/"), **settings: Any) -> Access:
@@ -254,12 +274,12 @@ def record(path: Path, source: SourceRequest, camera: Camera, **settings: Any) -
     """Some frames, with a change of parameters on the way."""
     with emulating(source, camera, **settings) as (emulator, listener):
         listener.wait(lambda it: len(it.frames) > 20)
-        emulator.record(RecordingPlan(path))
+        emulator.recordings.begin(RecordingPlan(path))
         count = len(listener.frames)  # the next few may be of before the recording: it is heard of later
         listener.wait(lambda it: len(it.frames) > count + 10)
         emulator.simulation.change({"temperature_c": 60, "leak_noise": {"k6": 1e-5}})
         listener.wait(lambda it: len(it.frames) > count + 40)
-        emulator.end_recording()
+        emulator.recordings.end()
 
 
 def film(folder: Path, camera: Camera) -> SourceRequest:

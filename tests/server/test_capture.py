@@ -76,7 +76,7 @@ def test_a_stream_that_dies_comes_back() -> None:
         with pytest.raises(SourceError):  # asked for again while it is away: that does not end the waiting
             emulator.look_at(SourceRequest(uri=server.url, timeout_s=1, fit="stretch"))
         with pytest.raises(UsageError, match="nothing is being recorded"):  # it still answers
-            emulator.end_recording()
+            emulator.recordings.end()
         server = MjpegServer(server.port)
         try:
             listener.wait(lambda it: it.statuses[-1]["source"]["state"] == "running")

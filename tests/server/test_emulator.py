@@ -173,5 +173,5 @@ def test_what_has_ended_begins_nothing(tmp_path: Path) -> None:
         with pytest.raises(UsageError, match="the daemon is ending"):
             emulator.look_at(SCENE)
         with pytest.raises(UsageError, match="the daemon is ending"):
-            emulator.record(RecordingPlan(tmp_path / "late.npz"))
+            emulator.recordings.begin(RecordingPlan(tmp_path / "late.npz"))
     assert not list(tmp_path.iterdir())

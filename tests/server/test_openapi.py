@@ -16,10 +16,11 @@ import pytest
 
 from voltcam_server.access import Tokens
 from voltcam_server.compiling import CompiledEffects
+from voltcam_server.emulator import Emulator
 from voltcam_server.transports import WebSocketTransport
 from voltcam_simulator import Parameters
 
-from .rig import SCENE, app_of, emulating, open_access, running, web_server
+from .rig import SCENE, app_of, open_access, running, started, tiny, web_server
 
 VIEW, CONTROL = "view-" + "v" * 20, "control-" + "c" * 20
 EXAMPLES = 15  # of each operation, beside the limits of every value, which are tried all
@@ -43,13 +44,11 @@ def address(guarded: bool, tmp_path: Path) -> Iterator[str]:
     folder.mkdir()
     access = open_access(folder, source_folders=[folder], source_urls=[], streams=[])
     CompiledEffects("exact").prepare(SLOW_TO_COMPILE)
-    with (
-        emulating(SCENE) as (emulator, _),
-        web_server(
-            app_of(running(emulator, WebSocketTransport("")), access=replace(access, tokens=tokens))
-        ) as where,
-    ):
-        yield where
+    websockets = WebSocketTransport("")  # nobody subscribes: no listener keeps up with some legal values
+    with started(Emulator(tiny(), SCENE, transports=[websockets]), websockets) as emulator:
+        app = app_of(running(emulator, websockets), access=replace(access, tokens=tokens))
+        with web_server(app) as where:
+            yield where
 
 
 def headers(token: str) -> dict[str, str]:

@@ -1,9 +1,7 @@
 """Recordings of what is sent."""
 
 import errno
-import threading
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,28 +12,27 @@ from voltcam_server import recorder as recorder_module
 from voltcam_server.manifest import Manifest
 from voltcam_server.problems import UsageError
 from voltcam_server.recorder import Recorder, RecordingPlan
-from voltcam_server.recording_file import RecordingFile
 from voltcam_server.simulation import Simulation
 from voltcam_server.verify import verify
 
-from .rig import PATIENCE_S, SCENE, arrival, emulating, moving_frames, tiny, until
+from .rig import SCENE, arrival, emulating, moving_frames, slow_disk, tiny, until
 
 
 def test_a_recording_holds_what_was_sent(tmp_path: Path) -> None:
     path = tmp_path / "out.npz"
     with emulating(SCENE) as (emulator, listener):
         listener.wait(lambda it: it.frames)
-        assert emulator.record(RecordingPlan(path)).recording
+        assert emulator.recordings.begin(RecordingPlan(path)).recording
         with pytest.raises(UsageError, match="end that recording first"):
-            emulator.record(RecordingPlan(tmp_path / "other.npz"))
+            emulator.recordings.begin(RecordingPlan(tmp_path / "other.npz"))
         count = len(listener.frames)
         listener.wait(lambda it: len(it.frames) >= count + 20)
-        done = emulator.end_recording()
+        done = emulator.recordings.end()
         assert (done.recording, done.error) == (False, None)
         with pytest.raises(RecordingError, match="exists already"):
-            emulator.record(RecordingPlan(path))
+            emulator.recordings.begin(RecordingPlan(path))
         with pytest.raises(FormatError, match="suffix"):
-            emulator.record(RecordingPlan(tmp_path / "out.mp3"))
+            emulator.recordings.begin(RecordingPlan(tmp_path / "out.mp3"))
         count = len(listener.frames)  # a recorded interval may still wait for its turn to be sent
         listener.wait(lambda it: len(it.frames) >= count + 20)
     recording = read(path)
@@ -58,7 +55,7 @@ def test_a_full_disk_ends_the_recording_and_nothing_else(
     path = tmp_path / "out.txt"
     with emulating(SCENE) as (emulator, listener):
         listener.wait(lambda it: it.frames)
-        emulator.record(RecordingPlan(path))
+        emulator.recordings.begin(RecordingPlan(path))
         until(lambda: emulator.status.recording.events > 100, "events are recorded")  # type: ignore[union-attr]
 
         def full(*_: object) -> None:
@@ -72,19 +69,19 @@ def test_a_full_disk_ends_the_recording_and_nothing_else(
         assert "No space left" in status.error
         assert "\n" not in status.error
         with pytest.raises(RecordingError, match="exists already"):
-            emulator.record(RecordingPlan(path))
+            emulator.recordings.begin(RecordingPlan(path))
         # The stream goes on without a recorder.
         count = len(listener.frames)
         listener.wait(lambda it: len(it.frames) >= count + 100)
         with pytest.raises(UsageError, match="nothing is being recorded"):
-            emulator.end_recording()
+            emulator.recordings.end()
     assert read(path).events.size == status.events > 100
 
 
 def test_ending_the_daemon_finishes_the_recording(tmp_path: Path) -> None:
     path = tmp_path / "out.npz"
     with emulating(SCENE) as (emulator, listener):
-        emulator.record(RecordingPlan(path))
+        emulator.recordings.begin(RecordingPlan(path))
         count = len(listener.frames)
         listener.wait(lambda it: len(it.frames) > count + 20)
     assert verify(path).difference == ""
@@ -101,17 +98,10 @@ def test_ending_the_daemon_finishes_the_recording(tmp_path: Path) -> None:
 def test_a_slow_disk_never_holds_the_stream(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What does not fit into the queue is lost and counted; no file has a gap, and each can be made again."""
     monkeypatch.setattr(recorder_module, "QUEUE_BYTES", 20_000)
-    go = threading.Event()
-    write = RecordingFile.write
-
-    def slow(file: RecordingFile, *what: Any) -> None:
-        assert go.wait(PATIENCE_S)
-        write(file, *what)
-
-    monkeypatch.setattr(RecordingFile, "write", slow)
+    go = slow_disk(monkeypatch)
     with emulating(SCENE) as (emulator, listener):
         listener.wait(lambda it: it.frames)
-        emulator.record(RecordingPlan(tmp_path / "out.npz"))
+        emulator.recordings.begin(RecordingPlan(tmp_path / "out.npz"))
         count = len(listener.frames)
         listener.wait(lambda it: len(it.frames) > count + 150)
         status = emulator.status.recording
@@ -121,7 +111,7 @@ def test_a_slow_disk_never_holds_the_stream(tmp_path: Path, monkeypatch: pytest.
         until(lambda: emulator.status.recording.files == 2, "the next file has begun")  # type: ignore[union-attr]
         count = len(listener.frames)
         listener.wait(lambda it: len(it.frames) > count + 20)
-        done = emulator.end_recording()
+        done = emulator.recordings.end()
         count = len(listener.frames)
         listener.wait(lambda it: len(it.frames) > count + 5)
         sent = [frame.t_us for frame in listener.frames]
@@ -141,9 +131,9 @@ def test_files_are_rotated_by_time_and_by_size(tmp_path: Path) -> None:
             ("time", RecordingPlan(tmp_path / "time.npz", rotate_s=0.3)),
             ("size", RecordingPlan(tmp_path / "size.npz", rotate_bytes=20_000)),
         ):
-            emulator.record(plan)
+            emulator.recordings.begin(plan)
             until(lambda: emulator.status.recording.files >= 3, name)  # type: ignore[union-attr]
-            done = emulator.end_recording()
+            done = emulator.recordings.end()
             assert (done.error, done.lost_intervals) == (None, 0)
             files = [tmp_path / f"{name}.npz", *sorted(tmp_path.glob(f"{name}-*.npz"))]
             assert files[1].name == f"{name}-002.npz"
@@ -159,9 +149,9 @@ def test_files_are_rotated_by_time_and_by_size(tmp_path: Path) -> None:
 def test_files_whose_suffix_has_two_parts_are_numbered_before_it(tmp_path: Path) -> None:
     with emulating(SCENE) as (emulator, listener):
         listener.wait(lambda it: it.frames)
-        emulator.record(RecordingPlan(tmp_path / "out.evt2.raw", rotate_s=0.2))
+        emulator.recordings.begin(RecordingPlan(tmp_path / "out.evt2.raw", rotate_s=0.2))
         until(lambda: emulator.status.recording.files >= 2, "the next file")  # type: ignore[union-attr]
-        done = emulator.end_recording()
+        done = emulator.recordings.end()
     assert (done.error, done.left_out) == (None, "without frames, which .evt2.raw cannot carry")
     files = sorted(tmp_path.glob("*.evt2.raw"))
     assert {"out-002.evt2.raw", "out.evt2.raw"} <= {file.name for file in files}
@@ -171,7 +161,7 @@ def test_files_whose_suffix_has_two_parts_are_numbered_before_it(tmp_path: Path)
 def test_a_recording_ends_before_the_disk_is_full(tmp_path: Path) -> None:
     with emulating(SCENE) as (emulator, listener):
         listener.wait(lambda it: it.frames)
-        emulator.record(RecordingPlan(tmp_path / "out.npz", least_free_bytes=10**18))
+        emulator.recordings.begin(RecordingPlan(tmp_path / "out.npz", least_free_bytes=10**18))
         until(lambda: emulator.status.recording.error, "it ends")  # type: ignore[union-attr]
         assert "least_free_bytes keeps" in str(emulator.status.recording)
         assert emulator.status.recording_errors == 1

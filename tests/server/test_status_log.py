@@ -22,6 +22,7 @@ def test_a_recording_that_fails_is_a_line(caplog: pytest.LogCaptureFixture) -> N
     recording = RecordingStatus(
         path="a.npz",
         recording=False,
+        ending=False,
         files=1,
         events=5,
         frames=1,

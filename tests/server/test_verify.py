@@ -48,9 +48,9 @@ def test_a_recording_from_the_first_frame_on(tmp_path: Path) -> None:
     """There is no state before it."""
     camera = tiny(**LIVELY)
     with emulating(film(tmp_path, camera), camera) as (emulator, listener):
-        emulator.record(RecordingPlan(tmp_path / "walk.npz"))
+        emulator.recordings.begin(RecordingPlan(tmp_path / "walk.npz"))
         listener.wait(lambda it: len(it.frames) > 30)
-        emulator.end_recording()
+        emulator.recordings.end()
     assert verify(tmp_path / "walk.npz").difference == ""
 
 

@@ -55,10 +55,10 @@ def test_while_a_source_is_opened_everything_else_can_be_done(
             for _ in range(45):
                 with pytest.raises(UsageError, match="being opened"):
                     emulator.look_at(request)
-            emulator.record(RecordingPlan(tmp_path / "a.npz"))
+            emulator.recordings.begin(RecordingPlan(tmp_path / "a.npz"))
             count = len(listener.frames)
             listener.wait(lambda it: len(it.frames) > count + 5)
-            emulator.end_recording()
+            emulator.recordings.end()
             with pytest.raises(SourceError, match="no frame within 3 s"):
                 opening.result(20)
             connection.close()

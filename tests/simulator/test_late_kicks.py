@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from voltcam_simulator import Simulator
+from voltcam_simulator import Limits, Simulator, TooLongError, late_kicks
 
 from .effects.slow_kicks import Fired, slow_kicks
 from .scenes import only
@@ -115,3 +115,31 @@ def test_dead_times_hold_and_kicks_within_them_are_lost() -> None:
         assert (np.count_nonzero(gaps == 2500) > 100) != lost
         if lost:
             assert found == simulated(fine(), **dead)
+
+
+def test_a_walk_in_many_parts_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    name, numbers, _ = CASES[-2]
+    whole = simulated(CORNERS_US, **{name: numbers})
+    monkeypatch.setattr(late_kicks, "MOST_STEPS", 7)
+    assert simulated(CORNERS_US, **{name: numbers}) == whole
+    assert len(whole) > 100 * 7 / 2
+
+
+def test_a_long_walk_is_given_up_when_it_is_late() -> None:
+    """Nine million events of pixels that kick each other: in one part it would not be asked again."""
+    endless = {"after_on": 10.0, "after_off": 10.0, "delay_us": 100_000}
+    camera = Simulator(
+        64, 48, only(residual_coupling=endless, hot_pixels={"fraction": 1.0, "rate_hz": 1000.0})
+    )
+    image, asked = np.full((48, 64), 100, np.uint8), 0
+
+    def late() -> bool:
+        nonlocal asked
+        asked += 1
+        return asked > 5
+
+    camera.advance(image, 0)
+    camera.advance(image, 100_000)
+    with pytest.raises(TooLongError):
+        camera.advance(image, 1_000_000, Limits(late=late))
+    assert asked == 6

@@ -290,6 +290,7 @@ def test_a_sensor_of_one_pixel_and_one_of_twelve_million() -> None:
         (still(1, 5, 4), 2000, "sensor"),
         (still(math.nan, 4, 5), 2000, "not finite"),
         (still(math.inf, 4, 5), 2000, "not finite"),
+        (still(1.1e12, 4, 5), 2000, "above 1e\\+12 DN"),
         (still(-1, 4, 5), 2000, "negative"),
         (np.array([["a"] * 4] * 5), 2000, "real numbers"),
         (np.zeros((5, 4), complex), 2000, "real numbers"),

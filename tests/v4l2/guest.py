@@ -152,7 +152,7 @@ def _word(daemon: Daemon) -> tuple[bool, str]:
 
 
 def _again(daemon: Daemon, listener: Listener, what: str, plug: Callable[[], None]) -> Tried:
-    events, listener.gap_us = listener.events, (0, 0)
+    listener.gap_us = (0, 0)
     lost_us = time.time_ns() // 1000
     plug()
     back_s = until(lambda: daemon.get("status")["state"] == "running", LONG_S)
@@ -161,7 +161,8 @@ def _again(daemon: Daemon, listener: Listener, what: str, plug: Callable[[], Non
     yield what, back_s < LONG_S, f"{back_s:.1f} s"
     granted = daemon.get("status")["source"]["granted"]
     yield "the format is asked for again", (granted["width"], granted["fps"]) == (WIDTH, FPS), granted
-    came_s = until(lambda: listener.events > events, LONG_S)
+    back_us = time.time_ns() // 1000  # events from before the loss may still be on their way
+    came_s = until(lambda: listener.last_us > back_us, LONG_S)
     yield "its events, too, at the same subscriber", came_s < LONG_S, f"{came_s:.1f} s"
     began_us, ended_us = listener.gap_us
     none = 0 < began_us <= lost_us < ended_us

@@ -35,7 +35,7 @@ export class Cloud extends Picture {
       this.on[i] = on;
       this.t[i] = base + us;
       count[1 - on]++;
-      this.#newest = Math.max(this.#newest, base + us);
+      this.#newest = base + us;
     });
     return count;
   }

@@ -110,7 +110,7 @@ export class Live {
     }
     [this.#queue, this.#queued] = [[], 0];
     if (!this.#paused) {
-      this.#view.draw(time - this.#drawn, Number(find("window").value));
+      this.#view.draw(Number(find("window").value));
       this.#pixel.draw(this.#canvas, this.#size.width, this.colours);
       if (this.#frame) this.#source.draw(...this.#frame);
       this.#frame = null;

@@ -1,6 +1,6 @@
 /** The two pictures: events that fade, and the source frame. Both write 32-bit RGBA pixels. */
 
-import { each } from "./events.js";
+import { baseUs, each } from "./events.js";
 
 const LEVELS = 256;
 const EVENTS_AT_FULL = 4; // where the colour scale ends
@@ -45,39 +45,61 @@ export class Picture {
   }
 }
 
-/** Events as they come, each fading exponentially; a pixel has the colour of its last polarity. */
-export class EventPicture extends Picture {
+/** What pixels had last, on the camera's clock: it fades as that goes on, and stays while the camera waits. */
+export class LastEvents extends Picture {
   resize(width, height) {
     super.resize(width, height);
-    this.activity = new Float32Array(width * height); // events, faded
+    this.last = new Float64Array(width * height).fill(-Infinity); // [us]
     this.polarity = new Uint8Array(width * height);
+    this.newest = -Infinity; // [us]
   }
 
   /** Adds a buffer in the `libcaer` encoding. Returns [ON, OFF] counts. */
-  add(buffer) {
-    const { activity, polarity, width } = this;
+  add(buffer, header) {
+    const base = baseUs(header);
+    if (base < this.newest) this.resize(this.width, this.height); // a clock that goes back is another one
+    this.newest = base;
+    const { last, polarity, width } = this;
     const count = [0, 0];
-    each(buffer, width, this.height, (x, y, on) => {
-      activity[y * width + x] += 1;
-      polarity[y * width + x] = on;
+    each(buffer, width, this.height, (x, y, on, us) => {
+      const pixel = y * width + x;
+      this.happened(pixel, base + us);
+      last[pixel] = this.newest = base + us;
+      polarity[pixel] = on;
       count[1 - on]++;
     });
     return count;
+  }
+
+  /** An event, before it is the pixel's last. */
+  happened() {}
+}
+
+/** Events, each fading exponentially; a pixel has the colour of its last polarity. */
+export class EventPicture extends LastEvents {
+  windowMs = 33;
+
+  resize(width, height) {
+    super.resize(width, height);
+    this.activity = new Float32Array(width * height); // events, faded until the last one
+  }
+
+  happened(pixel, us) {
+    this.activity[pixel] = 1 + this.activity[pixel] * Math.exp((this.last[pixel] - us) / (1000 * this.windowMs));
   }
 
   share(level) {
     return 1 - Math.exp(-level * EVENTS_AT_FULL);
   }
 
-  /** Shows the picture, then lets it fade for the time that has passed. */
-  draw(passedMs, windowMs) {
-    const keep = Math.exp(-passedMs / windowMs);
-    const { activity, polarity, palette, pixels } = this;
+  draw(windowMs) {
+    this.windowMs = windowMs;
+    const { activity, last, newest, polarity, palette, pixels } = this;
+    const perUs = 1 / (1000 * windowMs);
     const scale = LEVELS / EVENTS_AT_FULL;
     for (let i = 0; i < pixels.length; i++) {
-      const level = Math.min(LEVELS - 1, activity[i] * scale) | 0;
-      pixels[i] = palette[polarity[i] * LEVELS + level];
-      activity[i] *= keep;
+      const level = activity[i] * Math.exp((last[i] - newest) * perUs) * scale;
+      pixels[i] = palette[polarity[i] * LEVELS + (Math.min(LEVELS - 1, level) | 0)];
     }
     this.show();
   }

@@ -24,7 +24,8 @@ export class Recording {
   show(recording) {
     this.#running = recording?.recording ?? false;
     const button = find("record-button");
-    button.textContent = this.#running ? "Stop" : "Record";
+    button.textContent = recording?.ending ? "Writing…" : this.#running ? "Stop" : "Record";
+    button.disabled = recording?.ending ?? false;
     button.dataset.running = this.#running;
     if (!recording) return;
     const { path, events, frames, files, lost_intervals, error } = recording;

@@ -1,42 +1,21 @@
 /**
  * Ways to look at events, on one canvas. Each has add(buffer, header), which returns [ON, OFF] counts, and
- * draw(passedMs, windowMs). The first, events that fade, is `EventPicture`.
+ * draw(windowMs). The first, events that fade, is `EventPicture`.
  */
 
 import { baseUs, each } from "./events.js";
-import { Picture, rgba } from "./pictures.js";
+import { LastEvents, Picture, rgba } from "./pictures.js";
 
 const SURFACE_LEVELS = 256;
 const MIXED = 32; // levels of each colour in a mixture
 
 /** Time surface: how long ago each pixel had its last event, exp(-age / window), by its polarity. */
-export class TimeSurface extends Picture {
-  resize(width, height) {
-    super.resize(width, height);
-    this.last = new Float64Array(width * height).fill(-Infinity); // [us]
-    this.polarity = new Uint8Array(width * height);
-    this.newest = 0;
-  }
-
-  add(buffer, header) {
-    const { last, polarity, width } = this;
-    const base = baseUs(header);
-    const count = [0, 0];
-    each(buffer, width, this.height, (x, y, on, us) => {
-      const pixel = y * width + x;
-      last[pixel] = base + us;
-      polarity[pixel] = on;
-      count[1 - on]++;
-    });
-    this.newest = Math.max(this.newest, base);
-    return count;
-  }
-
-  draw(_, windowMs) {
+export class TimeSurface extends LastEvents {
+  draw(windowMs) {
     const { last, polarity, palette, pixels, newest } = this;
     const perUs = 1 / (1000 * windowMs);
     for (let i = 0; i < pixels.length; i++) {
-      const share = Math.min(1, Math.exp((last[i] - newest) * perUs));
+      const share = Math.exp((last[i] - newest) * perUs);
       pixels[i] = palette[polarity[i] * SURFACE_LEVELS + ((share * (SURFACE_LEVELS - 1)) | 0)];
     }
     this.show();
@@ -89,7 +68,7 @@ export class Histogram extends Picture {
     }
   }
 
-  draw(_, windowMs) {
+  draw(windowMs) {
     this.windowMs = windowMs;
     this.show();
   }

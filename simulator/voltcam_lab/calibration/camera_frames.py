@@ -5,7 +5,6 @@ This needs stamps and polarities only: how many events come at each phase of the
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +23,7 @@ PHASE_US = 400.0  # about an exposure: when within it events leave is the bus's 
 BANDS = 6  # of rows, which tell a scan from what is everywhere at once
 FIRST = (0.02, 0.06, 0.18, -0.02, -0.06, -0.18)  # kicks, in nominal thresholds
 FACTORS = (1.6, 1.2)  # by which the best is made larger and smaller
+SHIFTS_US = (100.0, 30.0)  # by which an exposure is moved, and made longer and shorter
 WORTH_IT = 0.1  # of the excess over chance that a kick must take away to be kept
 NO_ROWS_US = 0.01  # time of a row where no scan is seen: all at once
 DEFAULT_EXPOSURE_US = 500.0
@@ -80,38 +80,52 @@ def with_frames_of(
     and None where events do not come with the frames.
 
     footage, scene: of all rows of the sensor, and of the same time. Kick after kick is tried, made larger and
-    smaller, and kept where it takes away a tenth of what the phase of the frame tells apart.
+    smaller, and kept where it takes away a tenth of what the phase of the frame tells apart. An exposure that
+    has one is moved to where its events are; its length too, where the file does not tell it.
     """
     if not inspection.bursts:
         return parameters, None
     goal = PhaseGoal.of(footage)
     times = _times(inspection, footage, parameters, goal.period_us)
 
-    def excess(kicks: Mapping[str, float]) -> float:
+    def excess(frame: Mapping[str, float]) -> float:
         report("frames")
-        changed = parameters.changed({"aps_coupling": {**times, **kicks}})
-        return goal.excess(filmed(footage, scene, changed, seed))
+        return goal.excess(filmed(footage, scene, parameters.changed({"aps_coupling": frame}), seed))
 
-    kicks: dict[str, float] = dict.fromkeys(KICKS, 0.0)
-    least = before = excess(kicks)
+    frame = times | dict.fromkeys(KICKS, 0.0)
+    least = before = excess(frame)
     for name in KICKS if inspection.row_time_us is not None else KICKS[:1]:
-        best, size = min((excess({**kicks, name: size}), size) for size in FIRST)
+        best, size = min((excess({**frame, name: size}), size) for size in FIRST)
         if best < least - WORTH_IT * max(before, 0.0):
-            kicks[name], least = size, best
+            frame[name], least = size, best
+    if frame["exposure_kick"]:
+        told = footage.exposure_us is not None
+        for by_us in SHIFTS_US:
+            for name in ("offset_us",) if told else ("offset_us", "exposure_us"):
+                frame, least = _best(excess, frame, least, name, (frame[name] - by_us, frame[name] + by_us))
     for factor in FACTORS:
-        for name, size in kicks.items():
-            tried = [(excess({**kicks, name: size * by}), size * by) for by in (factor, 1 / factor) if size]
-            if tried and min(tried)[0] < least:
-                least, kicks[name] = min(tried)
+        for name in KICKS:
+            if size := frame[name]:
+                frame, least = _best(excess, frame, least, name, (size / factor, size * factor))
     if least >= before:
         return parameters, None
-    said = ", ".join(f"{name} {size:+.3g}" for name, size in kicks.items() if size)
+    said = ", ".join(f"{name} {frame[name]:+.3g}" for name in KICKS if frame[name])
     words = (
         f"the camera's frames make events: {said}; they leave {max(least, 0) / before:.0%} of what they do"
     )
-    return parameters.changed(
-        {"aps_coupling": {**times, **{k: round(v, 4) for k, v in kicks.items()}}}
-    ), words
+    return parameters.changed({"aps_coupling": {name: round(x, 4) for name, x in frame.items()}}), words
+
+
+def _best(
+    excess: Callable[[Mapping[str, float]], float], frame: dict[str, float], least: float, name: str,
+    values: tuple[float, float],
+) -> tuple[dict[str, float], float]:  # fmt: skip
+    """(The frame with one of these values, its excess) where that is less than the least so far."""
+    tried = [
+        (excess({**frame, name: value}), value) for value in values if name != "exposure_us" or value > 0
+    ]
+    best, value = min(tried)
+    return ({**frame, name: value}, best) if best < least else (frame, least)
 
 
 def filmed(footage: Footage, scene: Scene, parameters: Parameters, seed: int) -> Events:
@@ -127,7 +141,7 @@ def filmed(footage: Footage, scene: Scene, parameters: Parameters, seed: int) ->
 
 def _times(
     inspection: Inspection, footage: Footage, parameters: Parameters, period_us: float
-) -> dict[str, Any]:
+) -> dict[str, float]:
     """When frames are taken, on the pixels' clock: events are late by the camera's own delay."""
     row_us = abs(inspection.row_time_us or NO_ROWS_US)
     period_us = round(period_us, 3)  # as the camera has it: a clock may be 10^10 periods from its zero

@@ -15,7 +15,7 @@ from ..models.model import MODELS, simulate
 from ..pages.histograms import interval_histograms
 from ..pages.page import figure, render, table, write
 from ..pages.residuals import residual_maps
-from .camera_from import Calibrated
+from .calibrated import Calibrated
 from .estimates import Estimate
 from .figures import parameter_intervals
 

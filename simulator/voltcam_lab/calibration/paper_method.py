@@ -94,7 +94,7 @@ def calibrate_as_paper(
     if len(np.unique(moving["on"])) < 2 or len(moving) < 6:
         raise ValueError(
             f"too few events for the paper's method: {len(moving)} bins of {FEWEST} or more same-pixel "
-            "intervals under changing light, 6 and both polarities are needed: record more motion"
+            "intervals under changing light. It needs 6, of both polarities: record more motion"
         )
     k1, k2, k4, k5, theta_on = drift_of(bins)
     noise, notes = _believable_noise(bins[bins["quiet"]], k2, theta_on, quiet_rate)

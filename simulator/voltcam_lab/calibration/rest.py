@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.special import log_ndtr, ndtr
 
 from ..health.light_change import light_change_of
+from ..light.scale import is_black, is_white
 from ..light.scene import Scene
 from ..windows import Mask, Windows
 
@@ -43,12 +44,14 @@ class Rest:
 
 
 def rest_of(scene: Scene) -> Rest:
-    """When frames agree, at a pixel and next to it."""
+    """When frames agree, at a pixel and next to it, on a light that is neither black nor white."""
     light = light_change_of(scene.taken, scene.taken_us)
+    told = ~(is_black(scene.taken) | is_white(scene.taken, scene.white_dn))
     shape = light.mean_dn.shape
     begin, best_begin, best_end = (np.zeros(shape, np.int64) for _ in range(3))
     run = np.zeros(shape, np.bool_)
-    for still, start_us, end_us in zip(light.at_rest, light.t_us[:-1], light.t_us[1:], strict=True):
+    resting = light.at_rest & told[1:] & told[:-1]
+    for still, start_us, end_us in zip(resting, light.t_us[:-1], light.t_us[1:], strict=True):
         begin = np.where(still & ~run, start_us, begin)
         longer = still & (end_us - begin > best_end - best_begin)
         best_begin, best_end = np.where(longer, begin, best_begin), np.where(longer, end_us, best_end)

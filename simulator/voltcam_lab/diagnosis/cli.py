@@ -18,11 +18,12 @@ from ..pages.page import write
 from ..recordings import load
 from .catalogue.entries import ENTRIES
 from .catalogue.entry import Entry
-from .outcome.conclude import camera_of, result_of
+from .outcome.accepted import accepted, camera_of, fitted
+from .outcome.conclude import result_of
 from .outcome.generic import terms_left
 from .outcome.report import page_of
 from .rig.workers import cores
-from .search.excess import own_effects, without_excess
+from .search.excess import without_excess
 from .search.hypothesis import start_of
 from .search.identify import identify, short
 from .search.loop import diagnose
@@ -117,7 +118,7 @@ def _ready(
     if bare is None:
         return session
     session.rig.end()
-    return replace(ready(bare), taken_out=own_effects(session))
+    return replace(ready(bare), given=session.given)
 
 
 def _say(text: str, bar: "tqdm[Any]") -> None:
@@ -132,7 +133,10 @@ def _diagnose(session: Session, out: Path, say: Say, settings: SearchSettings) -
     say(identifiability.text() + "\n")
     diagnosis = diagnose(search, start)
     generic = terms_left(session.sensor, diagnosis, say)
-    result = result_of(session, search, identifiability, diagnosis, generic)
+    named = diagnosis.verdict == "effects"
+    given = session.on_clock(session.given.parameters)
+    choice = accepted(session.sensor, given, fitted(diagnosis, generic), named, say)
+    result = result_of(session, search, identifiability, diagnosis, generic, choice)
     say("\n" + result.sentence)
     for effect in result.effects:
         for parameter, size in effect.parameters.items():
@@ -142,7 +146,7 @@ def _diagnose(session: Session, out: Path, say: Say, settings: SearchSettings) -
     say("")
     texts: dict[str, Callable[[], str]] = {
         "result.json": lambda: result.model_dump_json(indent=2) + "\n",
-        "camera.yaml": lambda: camera_of(session, diagnosis, generic).to_yaml(),
+        "camera.yaml": lambda: camera_of(session, choice.parameters).to_yaml(),
         "report.html": lambda: page_of(session, search, identifiability, diagnosis, result),
     }
     for file, text in texts.items():

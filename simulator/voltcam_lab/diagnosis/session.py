@@ -13,6 +13,7 @@ from voltcam_simulator import Camera, Parameters
 
 from ..health import EventsLate, Finding, Health, Inspection
 from ..light.between_frames import calm, frame_noise2, scene_between, untrusted_share
+from ..light.scale import white_dn
 from ..light.scene import Scene
 from ..light.unrounded import rounding_errors, unrounded
 from ..recordings import Footage
@@ -38,15 +39,16 @@ class Session:
     """All that a search asks for, and what was looked at.
 
     recording: of the sample only, x counted in `columns` (those of the sensor that it has). sensor: all of
-    its columns, for what needs no statistics of simulated light. camera: as given,
-    of the recording's size. left_out: effects that are in the camera file, or cannot show in the sample.
-    taken_out: effects that were in the file, not in `camera`: without them the recording is better explained.
-    origin_us: where the clock of all this begins, on that of the recording and of camera files.
+    its columns, for what needs no statistics of simulated light. given: the camera file, of the recording's
+    size. camera: what the search starts from, the given one or one with less in it. left_out: effects that
+    are in `camera`, or cannot show in the sample. origin_us: where the clock of all this begins, on that of
+    the recording and of camera files.
     """
 
     name: str
     recording: Footage
     sensor: WholeSensor
+    given: Camera
     camera: Camera
     health: Health
     columns: NDArray[np.int64]
@@ -56,12 +58,16 @@ class Session:
     left_out: tuple[str, ...]
     seed: int
     origin_us: int
-    taken_out: tuple[str, ...] = ()
 
     @property
     def parameters(self) -> Parameters:
         """The camera file's, on the clock of the diagnosis: where the search starts."""
         return self.on_clock(self.camera.parameters)
+
+    @property
+    def taken_out(self) -> tuple[str, ...]:
+        """Effects of the given file that `camera` has not: without them known light is better explained."""
+        return missing_in(self.camera.parameters, self.given.parameters)
 
     def on_clock(self, parameters: Parameters) -> Parameters:
         """A camera file's parameters on the clock of the diagnosis."""
@@ -97,6 +103,12 @@ class Session:
             return ""
         where = f"{known:.0%} of pixels and time, with {share:.1%} of the events"
         return f"; light between frames is known for {where}"
+
+
+def missing_in(parameters: Parameters, given: Parameters) -> tuple[str, ...]:
+    """Effects that are on in the given parameters and not in these."""
+    here = {effect.name for effect in parameters.effects() if effect.active}
+    return tuple(effect.name for effect in given.effects() if effect.active and effect.name not in here)
 
 
 def session_of(
@@ -146,8 +158,8 @@ def session_of(
             else:
                 wanted.append(entry.tuned(rig, parameters, one, part.events))
     return Session(
-        name, part, whole_sensor(recording, settings, rig_settings, seed, scene), camera, inspection.health,
-        columns, rig, rig.observe(part.events), tuple(wanted),
+        name, part, whole_sensor(recording, settings, rig_settings, seed, scene), camera, camera,
+        inspection.health, columns, rig, rig.observe(part.events), tuple(wanted),
         tuple(dict.fromkeys(one.effect for one in left_out)), seed, origin,
     )  # fmt: skip
 
@@ -183,13 +195,13 @@ def best_scene(
 
     noisy_dn2: `RecordingSettings.noisy_dn2`.
     """
-    noise2, rounding = frame_noise2(frames), None
+    noise2, rounding, white = frame_noise2(frames), None, white_dn(frames)
     if noise2 > noisy_dn2:
         frames = calm(frames, noise2)
     elif np.issubdtype(frames.dtype, np.integer):
         frames = unrounded(frames)
         rounding = rounding_errors(frames)[..., columns]
-    scene = scene_between(frames, t_us, columns, untrusted_share)
+    scene = scene_between(frames, t_us, columns, untrusted_share, white)
     if scene.on_curves:
         scene = scene.coarser()
     return scene if rounding is None else scene.with_rounding(rounding)

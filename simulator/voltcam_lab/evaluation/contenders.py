@@ -94,8 +94,8 @@ def mask_for_fit(mask: Mask, fitting: Region) -> Mask:
 def _told(refined: Refined) -> str:
     kept = ", ".join(refined.kept) or "none"
     return (
-        f"exact, calibrated: the light between frames {refined.light}; mechanisms that helped pixels which "
-        f"had no part in the choice: {kept}; their score went from {refined.before:.2f} to "
+        f"exact, calibrated: the light between frames {refined.light}. Mechanisms that helped pixels which "
+        f"had no part in the choice: {kept}. Their score went from {refined.before:.2f} to "
         f"{refined.after:.2f}"
     )
 

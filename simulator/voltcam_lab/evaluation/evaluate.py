@@ -18,9 +18,11 @@ from ..distances import (
     held_out,
 )
 from ..health import Inspection
+from ..health.lag import Lag
 from ..light.scene import Scene, scene_of
 from ..models.model import Model, simulate
 from ..recordings import Footage
+from .lags import REAL, lags_of, told
 
 Progress = Callable[[str], None]
 FEWEST_FRAMES, FEWEST_EVENTS = 10, 1000
@@ -29,8 +31,8 @@ FEWEST_FRAMES, FEWEST_EVENTS = 10, 1000
 @dataclass(frozen=True, eq=False)
 class Evaluation:
     """rows: model -> measure (distances.MEASURES) -> value, in the region of `yardstick`; floors: the same
-    between halves of the real events; simulated: model -> all its events. protocols: other ways to judge,
-    by title."""
+    between halves of the real events; simulated: model -> all its events; lags: the same and REAL -> how far
+    behind the frames. protocols: other ways to judge, by title."""
 
     name: str
     recording: Footage
@@ -38,18 +40,20 @@ class Evaluation:
     rows: dict[str, dict[str, float]]
     floors: dict[str, dict[str, float]]
     simulated: dict[str, Events]
+    lags: dict[str, Lag] = field(default_factory=dict)
     protocols: dict[str, "Evaluation"] = field(default_factory=dict)
 
     def to_markdown(self) -> str:
-        """Two tables, distances and rates, and who is closest in each headline distance."""
+        """Two tables, distances and rates, who is closest in each headline distance, and lags."""
         distances = {**self.rows, **self.floors}
-        own = {"real": self.yardstick.figures(self.yardstick.real)}
+        own = {REAL: self.yardstick.figures(self.yardstick.real)}
         differences = {f"{name} (difference)": row for name, row in self.floors.items()}
         rates = [name for name in MEASURES if name not in DISTANCES]
         return "\n\n".join([
             _table(DISTANCES, distances, bold=self.rows),
             "\n".join(f"- {line}" for line in self.verdict()),
             _table(rates, {**own, **self.rows, **differences}),
+            *([told(self.lags)] if self.lags else []),
         ])  # fmt: skip
 
     def verdict(self) -> list[str]:
@@ -150,9 +154,11 @@ def judged(
     for model, events in simulated.items():
         progress(f"distances of {model}")
         rows[model] = yardstick.distances(events)
+    progress("lags")
+    lags = lags_of(inspection.footage, {REAL: whole.real, **simulated}, region)
     progress("real against real")
     floors = {
         "real, other pixels": yardstick.floor_by_pixels(),
         "real, other times": yardstick.floor_by_time(),
     }
-    return Evaluation(name, inspection.footage, yardstick, rows, floors, dict(simulated))
+    return Evaluation(name, inspection.footage, yardstick, rows, floors, dict(simulated), lags)

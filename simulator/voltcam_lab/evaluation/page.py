@@ -40,6 +40,9 @@ The tables "first part against later part" are of a camera that `voltcam calibra
 of the time, or more of a short recording. It is judged on the rest, once with windows cut out. The second
 time all events count, as a user of the emulator sees them.
 
+The last table tells how far behind the frames events are, as the health report measures it. Windows about
+exposures count there.
+
 The last two rows of a table are real events against real events of the same recording: other pixels (a
 checkerboard) and other times (every other 100 ms). No simulation can be expected to come closer than that.
 """
@@ -67,7 +70,7 @@ def write_evaluation(
     if notes:
         parts.append(
             "## How models were fitted, and what could not be\n\n"
-            + "\n".join(f"- {note}" for note in notes)
+            + "\n".join(f"- {note}." for note in notes)
             + "\n"
         )
     progress("held images")

@@ -43,11 +43,18 @@ class Lag:
         return self.score >= _SURE
 
 
-def find_lag(subject: Subject) -> Lag:
+def find_lag(
+    subject: Subject, threshold: float | None = None, counted: NDArray[np.bool_] | None = None
+) -> Lag:
     """Over +-5 s, or half the recording. Uncertainties are standard deviations: over 8 groups of blocks and,
-    for the lag, with a threshold that may be 10 % off."""
-    threshold = threshold_of(subject)
-    search = _LagSearch(subject, threshold)
+    for the lag, with a threshold that may be 10 % off.
+
+    threshold: of the memorised level, in ln L, by default that by which the frames give as many events; to be
+    given where the events are some of those that the frames gave. counted: (frames - 1,), the intervals
+    between frames that are looked at, by default all.
+    """
+    threshold = threshold or threshold_of(subject)
+    search = _LagSearch(subject, threshold, counted)
     period_us = subject.period_us
     span_us = float(subject.light.t_us[-1] - subject.light.t_us[0])
     farthest = min(_FARTHEST_US, span_us / 2)
@@ -55,7 +62,7 @@ def find_lag(subject: Subject) -> Lag:
     follows = np.array([search.correlation(lag) for lag in coarse])
     near = coarse[int(np.argmax(follows))]
     lag_us = search.best(near, period_us)
-    less, more = (_LagSearch(subject, threshold * by).best(lag_us, period_us) for by in (0.9, 1.1))
+    less, more = (_LagSearch(subject, threshold * by, counted).best(lag_us, period_us) for by in (0.9, 1.1))
     groups = range(_GROUPS)
     parts = np.array([search.best(lag_us, period_us, group) for group in groups])
     error_us = float(parts.std(ddof=1) / np.sqrt(_GROUPS))
@@ -103,7 +110,7 @@ def memorised(levels: Iterable[NDArray[np.float32]], slack: float) -> Iterator[N
 class _LagSearch:
     """Correlations at any lag, of some of the events, so that each takes a millisecond or few."""
 
-    def __init__(self, subject: Subject, threshold: float) -> None:
+    def __init__(self, subject: Subject, threshold: float, counted: NDArray[np.bool_] | None) -> None:
         light, events = subject.light, subject.footage.events
         chosen = events[:: max(1, events.size // _EVENTS)]
         chosen = chosen[np.argsort(chosen["t"], kind="stable")]
@@ -124,11 +131,12 @@ class _LagSearch:
             padded[: step.shape[0], : step.shape[1]] = step
             row[:] = padded.reshape(rows, side, columns, side).sum((1, 3)).ravel()
         self._group = np.arange(self._blocks) % _GROUPS
+        self._counted = np.ones(len(self._change), np.bool_) if counted is None else counted
+        self._counted_change = self._change[self._counted]
 
     def correlation(self, lag_us: float, group: int | None = None, half: int | None = None) -> float:
         """Of the events of each interval, shifted by the lag, with its change; 0 where there is none."""
-        events = self._events(lag_us)
-        change = self._change
+        events, change = self._events(lag_us), self._counted_change
         if half is not None:
             middle = len(change) // 2
             part = slice(middle) if half == 0 else slice(middle, None)
@@ -141,17 +149,18 @@ class _LagSearch:
     def by_chance(self, lag_us: float) -> float:
         """The standard deviation of the correlation of blocks with other blocks' light."""
         events, rng = self._events(lag_us), np.random.default_rng(0)
-        norm = max(float(np.sqrt(np.sum(events**2) * np.sum(self._change**2))), 1e-9)
-        others = [np.sum(events[:, rng.permutation(self._blocks)] * self._change) / norm for _ in range(32)]
+        change = self._counted_change
+        norm = max(float(np.sqrt(np.sum(events**2) * np.sum(change**2))), 1e-9)
+        others = [np.sum(events[:, rng.permutation(self._blocks)] * change) / norm for _ in range(32)]
         return max(float(np.std(others)), 1e-9)
 
     def _events(self, lag_us: float) -> NDArray[np.float64]:
-        """(intervals, blocks): ON less OFF."""
+        """(counted intervals, blocks): ON less OFF."""
         first = np.searchsorted(self._t, self._frame_t + lag_us)  # of each frame's interval
         inside = slice(first[0], first[-1])
         cells = np.repeat(self._blocks * np.arange(len(self._change)), np.diff(first)) + self._block[inside]
         signed = np.bincount(cells, self._sign[inside], self._change.size)
-        return signed.astype(np.float64).reshape(self._change.shape)
+        return signed.astype(np.float64).reshape(self._change.shape)[self._counted]
 
     def best(
         self, near_us: float, period_us: float, group: int | None = None, half: int | None = None

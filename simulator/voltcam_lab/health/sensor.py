@@ -5,6 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..light.grey import WHITE_DN
+from ..light.scale import white_dn
 from ..windows import Windows, around, joined, total_us, within
 from .bursts import FrameBurst
 from .finding import EventsLate, Finding
@@ -55,10 +57,12 @@ def light(subject: Subject) -> list[Finding]:
         else:
             words = f"{changing:.1%} of the samples change; noise of a frame: {subject.light.noise_dn:.1f} DN"
             findings.append(Finding("light", "good", words, numbers))
-    dark, full = (float(np.mean(images == level)) for level in (0, 255))
-    numbers = {"dark_share": dark, "full_share": full}
+    white = white_dn(images)
+    dark, full = float(np.mean(images == 0)), float(np.mean(images >= white))
+    numbers = {"dark_share": dark, "full_share": full, "white_dn": white}
     clipped = max(dark, full) > _CLIPPED
-    words = f"{dark:.1%} of the grey levels are 0, {full:.1%} are 255"
+    highest = f"{white:.0f} or more, the white of these frames" if white < WHITE_DN else "255"
+    words = f"{dark:.1%} of the grey levels are 0, {full:.1%} are {highest}"
     words += ": the light there is not known" if clipped else ""
     findings.append(Finding("saturation", "limits" if clipped else "good", words, numbers))
     return findings

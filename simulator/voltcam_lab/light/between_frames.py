@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, gaussian_filter1d, laplace, uniform_filter1d
 
 from .grey import USUAL_DARK_DN, WHITE_DN
-from .scene import CURVES, Scene, scene_of
+from .scale import white_dn
+from .scene import CURVES, How, Scene, scene_of
 
 NOISIEST_DN = 3.0  # of a difference between frames: more is motion
 STILL_FRAMES = 5
@@ -45,17 +46,23 @@ def scene_between(
     frame_t_us: NDArray[np.int64],
     columns: NDArray[np.int64] | None = None,
     doubt: Callable[[Scene], float] = mean_doubt,
+    white: float | None = None,
 ) -> Scene:
     """The light of frames (M, H, W) and between them, by a spline, by a monotone cubic, which suits sudden
     changes, or by motion: that with less doubt.
 
-    columns: only these of the picture.
+    columns: only these of the picture. white: `white_dn` of the frames as they were taken; None: these are.
     """
+    white = white_dn(frames) if white is None else white
+
+    def filled(own: NDArray[Any], how: How) -> Scene:
+        return replace(scene_of(own, frame_t_us, how), white_dn=white)
+
     own = frames if columns is None else frames[:, :, columns]
-    curved = min((scene_of(own, frame_t_us, how) for how in CURVES), key=doubt)
+    curved = min((filled(own, how) for how in CURVES), key=doubt)
     if curved.trusted().mean() > WELL_SAMPLED:
         return curved
-    moved = scene_of(frames, frame_t_us, "auto")  # motion is seen in whole frames
+    moved = filled(frames, "auto")  # motion is seen in whole frames
     return min(curved, moved if columns is None else _in_columns(moved, columns), key=doubt)
 
 
@@ -71,7 +78,8 @@ def calmed(scene: Scene) -> Scene:
     """The scene of frames that are `calm` over STILL_FRAMES."""
     frames = scene.taken.astype(np.float32)
     noise2 = float(np.mean(np.minimum(np.diff(frames, axis=0) ** 2, NOISIEST_DN**2))) / 2
-    return scene_of(calm(frames, noise2, (STILL_FRAMES,)), scene.taken_us, scene.how)
+    calmer = scene_of(calm(frames, noise2, (STILL_FRAMES,)), scene.taken_us, scene.how)
+    return replace(calmer, white_dn=scene.white_dn)
 
 
 def calm(frames: NDArray[Any], noise2: float, spans: Sequence[int] = LONGER_AND_LONGER) -> Images:

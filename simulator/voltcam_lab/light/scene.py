@@ -14,13 +14,13 @@ from voltcam_video import Frame, Upsampling, between
 
 from .grey import USUAL_DARK_DN, WHITE_DN
 from .known import KnownLight
+from .scale import is_black, is_white
 from .spline import along_spline
 
 How = Upsampling | Literal["spline"]
 """As in `voltcam_video.between`, or along a spline through all frames."""
 CURVES: tuple[How, ...] = ("spline", "cubic")
 _LEAST_CHANGE = 1e-6  # DN
-_ROUNDING = 0.5  # by which a grey level that is no whole number may be off [DN]
 CHORD = 0.002  # of the brightness, a hundredth of a threshold: more makes events go with the phase of frames
 TRUSTED = 0.05  # of the brightness: a quarter of the contrast of a usual threshold
 TOLERANCES = (TRUSTED, 0.1, 0.2, 0.4)  # where light trusted so far leaves too few events; the strictest first
@@ -42,6 +42,8 @@ class Scene:
     how: How = "linear"
     rounding: NDArray[np.float16] | None = None
     """`rounding_errors` of `taken`, where frames had been rounded."""
+    white_dn: float = WHITE_DN
+    """`scale.white_dn` of the frames."""
 
     @property
     def height(self) -> int:
@@ -106,8 +108,7 @@ class Scene:
         bright = self.taken.reshape(len(self.taken), -1).astype(np.float32) + USUAL_DARK_DN
         share = (self.surprise / bright).reshape(self.taken.shape)
         unsure = np.asarray(maximum_filter(share, size=(1, 3, 3)), np.float32)
-        if self.taken.max() <= WHITE_DN + _ROUNDING:  # else it is not where these frames end
-            unsure[self.taken >= WHITE_DN - _ROUNDING] = np.inf
+        unsure[is_white(self.taken, self.white_dn)] = np.inf
         return unsure
 
     @cached_property
@@ -166,14 +167,33 @@ class Scene:
         """Where the light between frame k and the next is known well enough to say when an event is due.
 
         (M - 1, pixels). No surprise of more than `tolerance` of the brightness in either frame, nor next to
-        it.
+        it, and neither of them black: how dark it was, the frame does not tell.
         """
         good: NDArray[np.bool_] = self.unsure.reshape(len(self.taken), -1) < tolerance
+        good &= ~is_black(self.taken).reshape(good.shape)
         return good[:-1] & good[1:]
 
     def known(self, tolerance: float = TRUSTED) -> KnownLight:
         """Where light is `trusted`."""
         return KnownLight(self.trusted(tolerance), self.taken_us, self.width)
+
+    def black(self) -> KnownLight:
+        """Where one of the two frames is black, or both, and none is white: all is known there but how dark
+        it was."""
+        black, white = self._at_an_end
+        return KnownLight(black & ~white, self.taken_us, self.width)
+
+    def white(self) -> KnownLight:
+        """Where one of the two frames is white, or both, and none is black."""
+        black, white = self._at_an_end
+        return KnownLight(white & ~black, self.taken_us, self.width)
+
+    @property
+    def _at_an_end(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """(M - 1, pixels) each: whether a frame or the next is black, and white."""
+        taken = self.taken.reshape(len(self.taken), -1)
+        black, white = is_black(taken), is_white(taken, self.white_dn)
+        return black[:-1] | black[1:], white[:-1] | white[1:]
 
     def doubt(self, pixel: NDArray[np.int32], t_us: NDArray[np.float64]) -> NDArray[np.float64]:
         """How far the light may be from what `images` have [DN], for pixels (n,) at times (n,).

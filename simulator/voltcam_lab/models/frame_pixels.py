@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from voltcam_simulator import EVENT
 from voltcam_simulator.effect import Events
-from voltcam_simulator.event_key import unpack
+from voltcam_simulator.event_key import unpack_events
 
 SMALLEST_THRESHOLD = 0.01
 """Where both published tools clip the thresholds they draw [ln units]."""
@@ -45,7 +45,7 @@ class FramePixels(ABC):
         self._t_us = t_us
         keys.sort()
         events = np.empty(keys.size, EVENT)
-        unpack(keys, start_us, events["t"], events["x"], events["y"], events["p"])
+        unpack_events(keys, start_us, events)
         return events
 
     @abstractmethod

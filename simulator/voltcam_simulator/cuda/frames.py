@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..frames import checked_kind, checked_shape, host_image
+from ..frames import BRIGHTEST_DN, NO_LIGHT, checked_kind, checked_shape, host_image
 from ..kernel import kernel
 from . import arrays
 from .arrays import SIMULATED, DeviceArray
@@ -23,7 +23,7 @@ class FrameThere(NamedTuple):
     image: Any
     """(height * width,) uint8 or float32."""
     bad: Any
-    """(1,) int32: becomes 1 where a grey level is negative or not finite."""
+    """(1,) int32: becomes 1 where a grey level is no light."""
 
 
 def device_image(frame: Any, height: int, width: int) -> DeviceArray:
@@ -41,7 +41,7 @@ def device_image(frame: Any, height: int, width: int) -> DeviceArray:
     source = FrameThere(found, arrays.empty(height * width, dtype), arrays.zeros(1, np.int32))
     arrays.launch(_take, height * width, source)
     if dtype == np.float32 and arrays.download(source.bad)[0]:
-        raise ValueError("the frame has values that are negative or not finite: grey levels start at 0")
+        raise ValueError(NO_LIGHT)
     return source.image
 
 
@@ -96,6 +96,6 @@ def take_pixel(frame: Any, image: Any, bad: Any, i: Any) -> None:
     """Copy grey level i of a frame, row after row."""
     width = frame.shape[1]
     value = np.float32(frame[i // width, i % width])
-    if not (value >= 0 and value < np.inf):
+    if not (value >= 0 and value <= BRIGHTEST_DN):
         bad[0] = 1
     image[i] = value

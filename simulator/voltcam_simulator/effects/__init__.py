@@ -10,6 +10,7 @@ from .dark_current import DarkCurrent
 from .dead_pixels import DeadPixels
 from .exposure_blur import ExposureBlur
 from .flicker import Flicker
+from .frame_noise import FrameNoise
 from .hot_pixels import HotPixels
 from .input_response import InputResponse
 from .junction_leak import JunctionLeak
@@ -37,6 +38,7 @@ from .vignetting import Vignetting
 
 EFFECTS: tuple[type[Effect], ...] = (
     TemperatureDrift,
+    FrameNoise,
     InputResponse,
     ExposureBlur,
     Vignetting,

@@ -40,11 +40,11 @@ class Crosstalk(Effect):
 
     def report(self, events: Events, readout: EventInterval) -> Events:
         sensor, last_us = readout.sensor, readout.state[self.name]["last_us"]
+        theta_on, theta_off = np.ascontiguousarray(sensor.theta_on), np.ascontiguousarray(sensor.theta_off)
         room = np.empty(5 * len(events), events.dtype)
         written = couple(
-            events, self.coupling, sensor.theta_on, sensor.theta_off, readout.voltage,
-            sensor.refractory_us, last_us, room,
-        )  # fmt: skip
+            events, self.coupling, theta_on, theta_off, readout.voltage, sensor.refractory_us, last_us, room
+        )
         return copied(room[:written])
 
 

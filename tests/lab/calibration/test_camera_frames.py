@@ -1,5 +1,7 @@
 """What the camera's frames do to its events: kicks are found at their size, and none where there are none."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -39,6 +41,17 @@ def test_a_kick_of_the_exposure_is_found_at_its_size(size: float) -> None:
     assert kick.frame_period_us == PERIOD_US
     assert words is not None
     assert "exposure_kick" in words
+
+
+def test_an_exposure_is_moved_to_where_its_events_are() -> None:
+    """The file tells of exposures 90 us after the pixels saw them."""
+    footage, scene = filmed(exposure_kick=0.1)
+    begin_us = footage.frame_t_us + 90
+    told = replace(footage, exposure_us=np.stack([begin_us, begin_us + int(EXPOSURE_US)], axis=1))
+    kick = with_frames_of(inspect(told), scene, told, CAMERA, seed=8)[0].aps_coupling
+    late_us = (kick.offset_us + HEIGHT * kick.row_us - float(footage.frame_t_us[0])) % PERIOD_US
+    assert min(late_us, PERIOD_US - late_us) <= 30
+    assert kick.exposure_us == EXPOSURE_US
 
 
 def test_stamps_may_be_those_of_a_clock_that_began_in_1970() -> None:

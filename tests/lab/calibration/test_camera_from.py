@@ -19,8 +19,10 @@ from tests.lab.health.made import (
 )
 
 from voltcam_lab.calibration import camera_from as module
+from voltcam_lab.calibration import exact_method, part
 from voltcam_lab.calibration.calibrate import Calibration, CalibrationError
-from voltcam_lab.calibration.camera_from import Calibrated, camera_from
+from voltcam_lab.calibration.calibrated import Calibrated
+from voltcam_lab.calibration.camera_from import camera_from
 from voltcam_lab.calibration.estimates import correlations, estimates_of, noise_shares
 from voltcam_lab.calibration.fit import PRIOR, Fit
 from voltcam_lab.calibration.reading import Reading
@@ -57,14 +59,14 @@ def straight(frames: np.ndarray, t_us: np.ndarray) -> Scene:
 
 @pytest.fixture(autouse=True)
 def _no_fit(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "calibrate", told)
+    monkeypatch.setattr(exact_method, "calibrate", told)
     monkeypatch.setattr(module, "scene_between", straight)
 
 
 @pytest.fixture(scope="module")
 def plain() -> Calibrated:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, "calibrate", told)
+        patch.setattr(exact_method, "calibrate", told)
         patch.setattr(module, "scene_between", straight)
         return camera_from(well(), name="mine", refining=False)
 
@@ -132,7 +134,7 @@ def test_hot_pixels_are_counted_and_not_fitted() -> None:
 
 def test_of_too_much_the_middle_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
     recording = healthy()
-    monkeypatch.setattr(module, "MOST_SAMPLES", recording.frames.size // 4)
+    monkeypatch.setattr(part, "MOST_SAMPLES", recording.frames.size // 4)
     found = camera_from(well(), refining=False)
     scene = found.reading.scene
     assert (scene.height, scene.width) == (HEIGHT // 2, WIDTH // 2)
@@ -159,7 +161,7 @@ def test_what_behaves_more_alike_is_taken_if_it_is_worth_it(
     def refined(_: object, scene: object, *__: object, **___: object) -> Refined:
         return Refined(better, scene, "as it was", (), (), 1.0, after)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(module, "refine", refined)
+    monkeypatch.setattr(exact_method, "refine", refined)
     found = camera_from(well())
     moved = {name: (before, now) for name, before, now in found.moved}
     assert bool(moved) == taken
@@ -177,6 +179,29 @@ def test_what_behaves_more_alike_is_taken_if_it_is_worth_it(
         assert one.low <= value <= one.high
 
 
+@pytest.mark.parametrize("after", [0.5, 0.95])
+def test_what_the_ends_of_the_scale_stand_for_stays_whether_the_rest_is_moved_or_not(
+    monkeypatch: pytest.MonkeyPatch, after: float
+) -> None:
+    better = FOUND.changed({"contrast_response": {"k1": 7.0}})
+    begun: list[Parameters] = []
+
+    def refined(_: object, scene: object, *__: object, **___: object) -> Refined:
+        return Refined(better, scene, "as it was", (), (), 1.0, after)  # type: ignore[arg-type]
+
+    def black(*given: object, **_: object) -> Parameters:
+        (start,) = (one for one in given if isinstance(one, Parameters))
+        begun.append(start)
+        return start.changed({"input_response": {"pedestal_dn": 5.0}})
+
+    monkeypatch.setattr(exact_method, "refine", refined)
+    monkeypatch.setattr(exact_method, "with_ends", black)
+    found = camera_from(well())
+    assert begun[0].contrast_response.k1 == (7.0 if after == 0.5 else 6.123456)
+    assert found.camera.parameters.input_response.pedestal_dn == 5.0
+    assert ("input_response.pedestal_dn", 0.0, 5.0) in found.moved
+
+
 @pytest.mark.parametrize(("share", "moved"), [(0.45, False), (0.55, True)])
 def test_nothing_is_moved_by_light_that_is_mostly_unknown(
     monkeypatch: pytest.MonkeyPatch, share: float, moved: bool
@@ -185,8 +210,8 @@ def test_nothing_is_moved_by_light_that_is_mostly_unknown(
         better = FOUND.changed({"contrast_response": {"k1": 7.0}})
         return Refined(better, scene, "as it was", (), (), 1.0, 0.5)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(module, "refine", refined)
-    monkeypatch.setattr(module, "known_share", lambda *_: share)
+    monkeypatch.setattr(exact_method, "refine", refined)
+    monkeypatch.setattr(exact_method, "known_share", lambda *_: share)
     found = camera_from(well())
     assert found.camera.parameters.contrast_response.k1 == (7.0 if moved else 6.123456)
     assert (found.refined is not None) == moved
@@ -214,8 +239,8 @@ def test_events_about_exposures_count_where_the_camera_has_what_makes_them(
         regions.append(region)
         return Refined(start.changed({"contrast_response": {"k1": 7.0}}), scene, "", (), (), 1.0, 0.5)
 
-    monkeypatch.setattr(module, "with_frames_of", with_frames)
-    monkeypatch.setattr(module, "refine", refined)
+    monkeypatch.setattr(exact_method, "with_frames_of", with_frames)
+    monkeypatch.setattr(exact_method, "refine", refined)
     found = camera_from(inspection).camera.parameters
     (region,) = regions
     middle_us = inspection.exposure_windows.mean(axis=1)[1:-1]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from tests.lab.health.made import HEIGHT, WIDTH, healthy, well
 
-from voltcam_lab.calibration.camera_from import Calibrated
+from voltcam_lab.calibration.calibrated import Calibrated
 from voltcam_lab.calibration.estimates import Estimate
 from voltcam_lab.calibration.page import write_report
 from voltcam_lab.calibration.reading import Reading
@@ -75,7 +75,7 @@ def found() -> Calibrated:
     camera = Camera(name="mine", width=WIDTH, height=HEIGHT, parameters=Parameters.of("paper"))
     notes = ("40 frames of <walk>.", "k1 & k2 are correlated.")
     return Calibrated(
-        camera, "exact", inspection.health, (SURE, OPEN), None, None, MOVED, reading, mask, notes
+        camera, "exact", inspection.health, reading, mask, notes, estimates=(SURE, OPEN), moved=MOVED
     )
 
 

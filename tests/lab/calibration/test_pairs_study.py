@@ -115,6 +115,7 @@ def test_the_page_has_what_came_of_each() -> None:
     assert "| W1, over that of the true values | at most 1.5 | 1.30 | 1.60 | 1 of 3 |" in text
     assert "| the same without refinement |  | 1.00 | 1.00 | 2 of 3 |" in text
     assert "| events late or early, ms | at most 1 | 0.75 | 1.50 | 1 of 3 |" in text
+    assert "| the same with the true values |  | 0.00 | 0.00 | 2 of 3 |" in text
     assert f"```text\n{two[2].seed}: no | luck\n```" in text
     assert "| 1 |" not in text
     assert "1 of 3 have run" in page(two, [good])

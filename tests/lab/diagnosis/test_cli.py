@@ -10,6 +10,7 @@ import pytest
 
 from voltcam_client.formats import FormatError
 from voltcam_lab.diagnosis import cli as cli_diagnose
+from voltcam_lab.diagnosis.outcome.accepted import accepted, fitted
 from voltcam_lab.diagnosis.outcome.conclude import result_of
 from voltcam_lab.diagnosis.outcome.result import Result
 from voltcam_lab.diagnosis.rig.rig import Rig
@@ -55,7 +56,10 @@ def test_interrupted_and_resumed_it_gives_the_same_result(
     assert not (out / ".voltcam-runs").exists()
     said = capsys.readouterr().out
     result = Result.model_validate_json((out / "result.json").read_text())
-    straight = result_of(done.session, done.search, done.identifiability, done.diagnosis)
+    choice = accepted(
+        done.session.sensor, done.session.parameters, fitted(done.diagnosis), True, lambda _: None
+    )
+    straight = result_of(done.session, done.search, done.identifiability, done.diagnosis, file=choice)
     assert result == straight
     assert len(simulated) > 100
     assert len(simulated) - len(set(simulated)) <= 3, "what was done before the interruption is done again"

@@ -72,8 +72,8 @@ def test_what_cannot_be_fitted_is_said_and_left_out(
     assert scene.how == "linear"  # the refined one, for all
     assert notes == [
         "exact, calibrated: refined from fitted thresholds, since too few events",
-        "exact, calibrated: the light between frames as it was; mechanisms that helped pixels which had no "
-        "part in the choice: hot; their score went from 3.00 to 1.50",
+        "exact, calibrated: the light between frames as it was. Mechanisms that helped pixels which had no "
+        "part in the choice: hot. Their score went from 3.00 to 1.50",
         "paper, calibrated: could not be fitted: no bin has enough",
     ]
     assert "paper, calibrated" not in makers

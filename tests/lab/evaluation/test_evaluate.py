@@ -24,7 +24,7 @@ def evaluation(inspection: Inspection) -> Evaluation:
     }
     steps: list[str] = []
     done = evaluate(inspection, models, name="Waves", upsampling="cubic", progress=steps.append)
-    assert [step for step in steps if "distances" not in step][1:] == [*models, "real against real"]
+    assert [step for step in steps if "distances" not in step][1:] == [*models, "lags", "real against real"]
     return done
 
 
@@ -45,6 +45,7 @@ def test_the_table_has_every_model_and_measure(evaluation: Evaluation) -> None:
     text = evaluation.to_markdown()
     for name in (*MEASURES, *evaluation.rows, *evaluation.floors):
         assert name in text
+    assert "| lag [ms] | real | exact, other | exact, truth |" in text
     rows = [line for line in text.splitlines() if line.startswith("| exact, truth")]
     assert rows[0].count("**") >= 2 * len(HEADLINES)  # the closest is set in bold
     assert len({line.count("|") for line in text.split("\n\n")[0].splitlines()}) == 1

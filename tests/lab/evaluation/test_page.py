@@ -43,7 +43,7 @@ def test_the_page_has_each_measure_its_figures_and_the_notes(inspection: Inspect
         assert f"- **{measure.name}**: {measure.title} [{measure.unit}]" in text
     assert "b4**: 4x4-block counts in 50 ms: correlation [1]; 1 is best" in text
     assert f"{inspection.footage.events.size} events; judged by " in text
-    assert "- esim: no\n- v2e: slow\n" in text
+    assert "- esim: no.\n- v2e: slow.\n" in text
     named = {part.split(")")[0] for part in text.split("](")[1:]}
     assert named == {f"evaluation/{one.name}" for one in (tmp_path / "evaluation").iterdir()}
     assert "evaluation/my-waves-2-clouds.png" in named

@@ -51,6 +51,20 @@ def test_saturation() -> None:
     assert well().health["saturation"].severity == "good"
 
 
+def test_frames_that_end_below_255() -> None:
+    """Their brightest levels have no noise, each pixel its own; all others have."""
+    rng = np.random.default_rng(2)
+    frames = healthy().frames.astype(float) + rng.normal(0, 2, healthy().frames.shape)
+    frames[:, :10] = 150 + rng.normal(0, 2, frames[0, :10].shape)
+    finding = inspect(replace(healthy(), frames=np.rint(np.clip(frames, 1, 140)).astype(np.uint8))).health[
+        "saturation"
+    ]
+    assert finding.severity == "limits"
+    assert finding.numbers["white_dn"] == 140
+    assert finding.numbers["full_share"] >= 10 / HEIGHT
+    assert "are 140 or more, the white of these frames: the light there is not known" in finding.words
+
+
 def test_rows_that_are_read_together() -> None:
     """Every millisecond's events leave row by row, 3 us apart, under one time each."""
     events = healthy().events.copy()

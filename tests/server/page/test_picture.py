@@ -2,6 +2,7 @@
 
 import base64
 import json
+import math
 import re
 import time
 from collections.abc import Iterator
@@ -92,12 +93,16 @@ def test_events_land_on_their_pixels(page: Page) -> None:
       const [header, used] = decode(bytes);
       const picture = new EventPicture(document.createElement("canvas"));
       picture.fit(header);
-      const counts = picture.add(bytes.slice(used));
+      const counts = picture.add(bytes.slice(used), header);
       const at = (x, y) => [picture.activity[y * 346 + x], picture.polarity[y * 346 + x]];
       return [counts, at(0, 0), at(345, 259), at(17, 3), picture.activity.reduce((a, b) => a + b)];
     }"""
     found = page.evaluate(script, base64.b64encode(message_of(events, 0)).decode())
-    assert found == [[2, 2], [1, 1], [2, 1], [1, 0], 4]
+    faded = math.exp(-3 / 33_000)  # the first of two at one pixel, 3 us later, in a window of 33 ms
+    assert found[0] == [2, 2]
+    assert [polarity for _, polarity in found[1:4]] == [1, 1, 0]
+    assert [level for level, _ in found[1:4]] == pytest.approx([1, 1 + faded, 1], rel=1e-7)
+    assert found[4] == pytest.approx(3 + faded, rel=1e-7)
 
 
 def test_msgpack_reads_what_pythons_writes(page: Page) -> None:
@@ -136,7 +141,6 @@ def test_views_show_what_their_names_say(page: Page) -> None:
     script = """async messages => {
       const { decode } = await import("./msgpack.js");
       const { Histogram, TimeSurface } = await import("./views.js");
-      const { baseUs } = await import("./events.js");
       const seen = {};
       for (const [name, View] of Object.entries({ Histogram, TimeSurface })) {
         const canvas = document.createElement("canvas");
@@ -148,8 +152,7 @@ def test_views_show_what_their_names_say(page: Page) -> None:
           const [header, used] = decode(bytes);
           view.fit(header);
           view.add(bytes.slice(used), header);
-          if (name === "TimeSurface" && message === messages[0]) view.newest = baseUs(header) + 21000;
-          view.draw(16, 10);
+          view.draw(10);
           if (name === "TimeSurface") break;
         }
         const at = (x, y) => [...view.context.getImageData(x, y, 1, 1).data].slice(0, 3);
@@ -162,6 +165,39 @@ def test_views_show_what_their_names_say(page: Page) -> None:
     assert seen["TimeSurface"][0][2] > 190
     assert seen["TimeSurface"][1][0] > 200 > seen["TimeSurface"][0][0] + 150  # two windows old: faint
     assert seen["Histogram"] == [[0, 0, 200], [228, 131, 131], [255, 255, 255]]
+
+
+def test_events_fade_on_the_cameras_clock(page: Page) -> None:
+    """One that waits, or sends in bursts, keeps its picture. One that begins anew has another."""
+    events = np.array([(1_000_000, 1, 0, True)], EVENT)
+    times_us = [1_000_000, 1_033_000, 500_000]  # the last of another time line
+    packets = [
+        Packet(events=events[:count], height=4, width=8, seq=0, time_base_ns=1000 * t_us, stamp_ns=0)
+        for count, t_us in zip((1, 0, 0), times_us, strict=True)
+    ]
+    script = """async messages => {
+      const { decode } = await import("./msgpack.js");
+      const { EventPicture } = await import("./pictures.js");
+      const view = new EventPicture(document.createElement("canvas"));
+      view.paint([255, 255, 255], [0, 0, 200], [200, 0, 0]);
+      const seen = [];
+      for (const message of messages) {
+        const bytes = Uint8Array.from(atob(message), (letter) => letter.charCodeAt(0)).buffer;
+        const [header, used] = decode(bytes);
+        view.fit(header);
+        view.add(bytes.slice(used), header);
+        for (let times = 0; times < 2; times++) {
+          view.draw(33);
+          seen.push(view.context.getImageData(1, 0, 1, 1).data[0]);
+        }
+      }
+      return seen;
+    }"""
+    seen = page.evaluate(
+        script, [base64.b64encode(pack_message(*encode_packet(each))).decode() for each in packets]
+    )
+    fresh, faded = (255 * math.exp(-level) for level in (1, math.exp(-1)))
+    assert seen == pytest.approx([fresh, fresh, faded, faded, 255, 255], abs=2)
 
 
 def test_a_pause_holds_the_picture_and_not_the_camera(page: Page) -> None:

@@ -53,6 +53,7 @@ parameters = Parameters.of("typical").changed(
         "photoreceptor_bandwidth": {"cutoff_hz": 300.0, "follower_hz": 700.0},
         "residual_drift": {"per_us": 1e-6},
         "residual_noise": {"variance_per_us": 1e-9},
+        "frame_noise": {"slack_dn": 2.0},
         "input_response": {"gamma_exponent": 2.2},
         "leak_mismatch": {"sigma": 0.2},
         "aps_coupling": {"reset_kick": 0.1},

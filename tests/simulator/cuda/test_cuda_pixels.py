@@ -13,6 +13,7 @@ from voltcam_simulator.cuda import cuda_pixels
 WIDTH, HEIGHT, PERIOD_US = 12, 9, 16_667
 ALL_LIGHT_AND_VOLTAGE = {
     "temperature_drift": {"rate_c_per_s": 1.0},
+    "frame_noise": {"slack_dn": 2.0},
     "input_response": {"gamma_exponent": 2.2},
     "exposure_blur": {"exposure_us": 9000.0},
     "vignetting": {"corner_loss": 0.4},

@@ -29,6 +29,7 @@ def test_the_base_model_is_what_is_on_by_default() -> None:
     [
         ("temperature_drift", "dark_current"),  # which asks for the temperature
         ("temperature_drift", "junction_leak"),
+        ("frame_noise", "input_response"),  # which is of grey levels
         ("input_response", "exposure_blur"),  # means are of light, not of grey levels
         ("dark_current", "contrast_response"),
         ("contrast_response", "photoreceptor_bandwidth"),
@@ -48,6 +49,7 @@ def test_every_effect_says_how_it_shows_and_has_a_test_of_that(effect: type[Effe
 
 ALL_OF_THE_PIXEL = {
     "temperature_drift": {"rate_c_per_s": 5},
+    "frame_noise": {"slack_dn": 3},
     "input_response": {"gamma_exponent": 2.2, "black_level_dn": 16},
     "exposure_blur": {"exposure_us": 3000},
     "vignetting": {"corner_loss": 0.3},

@@ -1,7 +1,7 @@
 """The search of `refine`: coordinates one by one, in the end together, with the same random numbers."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,17 +11,18 @@ from scipy.optimize import minimize
 from voltcam_simulator import Parameters
 
 from ...distances import Region
+from ...distances.goal import Goal
 from ...light.between_frames import calmed, evened, sharpened
 from ...light.grey import WHITE_DN
 from ...light.scene import Scene
 from .coordinates import ABSENT, BENT, CORE, OFFERED, Point, parameters_at, with_curvature
-from .goal import Goal
 from .replay import Replay
 
 BETTER = 0.998  # of the score, for what is new to stay
 SHARPENING = (0.15, 0.3, 0.45)
 SIMPLEX = (0.3, -0.15)  # sides of the first simplex, and of that where the search begins anew
 POLISHING, POLISHING_RUNS = 5e7, (50, 150)  # events that are simulated on each simplex, in so many runs
+HALVINGS = 6  # of a factor of 2: to 1 %
 BENDS = ((1.0, 1.0), (0.6, 2.5), (0.6, 5.0))  # factors of gamma, and of the knee
 
 
@@ -105,28 +106,61 @@ class CoordinateSearch:
         self.report("refine: thresholds")
         return self.moved(point, CORE, 0.3, 6, best)[0]
 
-    def light(self, point: dict[str, float], same_light: bool) -> "LightTrial":
+    def end(self, point: dict[str, float], name: str, sizes: tuple[float, ...]) -> dict[str, float]:
+        """The point with this coordinate near one of the sizes, if that is closer; all else stays."""
+        first = min((point | {name: size} for size in sizes), key=self.score)
+        return self._closer(self.moved(first, (name,), 0.2, 6)[0], point)
+
+    def traded(self, point: dict[str, float], name: str, sizes: Sequence[float]) -> dict[str, float]:
+        """The point with this coordinate at one of the sizes, if that is closer.
+
+        The gain makes up for what that takes: as many events come of light that moves as before.
+        """
+        moving = self._moving(point)
+        tries = (self._making(moving, point | {name: size}) for size in sizes)
+        return self._closer(min(tries, key=self.score), point)
+
+    def _closer(self, tried: dict[str, float], point: dict[str, float]) -> dict[str, float]:
+        """What was tried, if both parts of the pixels come closer; else the point."""
+        better = self.score(tried) < self.score(point) * BETTER
+        return tried if better and self.unseen(tried) < self.unseen(point) * BETTER else point
+
+    def _moving(self, point: Point) -> int:
+        """Events of light that moves."""
+        return self.seen.moving(self._events(point))
+
+    def _making(self, moving: int, point: dict[str, float]) -> dict[str, float]:
+        """The point with the gain, up to twice its own, of which so many events come."""
+        low, high, tried = 0.0, math.log(2), point
+        for _ in range(HALVINGS):
+            middle = (low + high) / 2
+            tried = point | {"gain": point["gain"] * math.exp(middle)}
+            low, high = (middle, high) if self._moving(tried) < moving else (low, middle)
+        return tried
+
+    def as_it_is(self, point: dict[str, float]) -> "LightTrial":
+        """The point in the light as it is."""
+        return LightTrial(point, self.score(point), self.unseen(point), self.scene, "as it was", 0.0)
+
+    def light(self, point: dict[str, float]) -> "LightTrial":
         """The point with the light that is closest.
 
         How sharp light is and how grey levels stand for it make up for one another: both at once.
         """
-        found = best = LightTrial(point, self.score(point), self.unseen(point), self.scene, "as it was", 0.0)
-        lights = [(self.scene, "as it was", 0.0)]
-        if not same_light:
-            even = evened(self.scene)
-            lights += [(sharpened(even, x), f"evened, sharpened by {x:g}", x) for x in SHARPENING]
+        found = best = self.as_it_is(point)
+        even = evened(self.scene)
+        sharper = [(sharpened(even, x), f"evened, sharpened by {x:g}", x) for x in SHARPENING]
         for bend, knee in BENDS:
             tried = with_curvature(point, bend * point["gamma"], knee * point["knee_dn"])
-            for scene, words, sharpening in lights:
+            for scene, words, sharpening in [(self.scene, "as it was", 0.0), *sharper]:
                 trial = self._tried(tried, scene, words, sharpening)
                 best, tried = (trial if trial.score < best.score else best), trial.point
         found = best if best.better_than(found) else found
-        if not same_light:
-            calm = calmed(self.scene)
-            if found.scene is not self.scene:
-                calm = sharpened(evened(calm), found.sharpening)
-            trial = self._tried(found.point, calm, f"calmed, {found.words}", found.sharpening)
-            found = trial if trial.better_than(found) else found
+        calm = calmed(self.scene)
+        if found.scene is not self.scene:
+            calm = sharpened(evened(calm), found.sharpening)
+        trial = self._tried(found.point, calm, f"calmed, {found.words}", found.sharpening)
+        found = trial if trial.better_than(found) else found
         self.replay = Replay.of(found.scene, self.region)
         return found
 

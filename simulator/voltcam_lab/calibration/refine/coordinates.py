@@ -11,13 +11,15 @@ from voltcam_simulator import Parameters
 from ...light.grey import WHITE_DN
 from ...models.exact import K1_TO_K6, SPREADS
 
+LEAST_KNEE_DN = 1e-3  # above the pedestal: where it is less, there is no such camera
 DARKEST_TOLD_DN = 4.0  # grey levels below that are near a camera's black, where they tell least of the light
 
 Point = Mapping[str, float]
 """Coordinates of the search; positive, except that what may be absent is 0 then.
 
 gain: events for a change of ln (grey level) where it is bright, k1 times gamma. knee_dn: grey level that
-stands for a light of k2. So curvature (gamma), dark level and gain can each be moved without the others."""
+stands for a light of k2, plus pedestal_dn. So curvature (gamma), dark level, gain and what black stands for
+can each be moved without the others."""
 
 CORE = ("gain", "on_over_off", "knee_dn", "period_us")
 OFFERED: tuple[tuple[str, tuple[float, ...]], ...] = (
@@ -38,7 +40,8 @@ OFFERED: tuple[tuple[str, tuple[float, ...]], ...] = (
 """Mechanisms that may be there or not, the likely ones first, and sizes to try them at."""
 
 BENT = ("gain", "knee_dn", "on_over_off")
-ABSENT = {"gamma": 1.0} | {name: 0.0 for name, _ in OFFERED}
+FRAMES = {"gamma": 1.0, "pedestal_dn": 0.0, "highlight": 1.0, "slack_dn": 0.0}
+ABSENT = FRAMES | {name: 0.0 for name, _ in OFFERED}
 PLACES = (
     SPREADS
     | {name: K1_TO_K6[name] for name in ("k3", "k4_per_us", "k5_per_dn_us", "k6")}
@@ -47,6 +50,9 @@ PLACES = (
         "jitter_us": ("latency", "jitter_us"),
         "period_us": ("refractory_period", "period_us"),
         "gamma": ("input_response", "gamma_exponent"),
+        "pedestal_dn": ("input_response", "pedestal_dn"),
+        "highlight": ("input_response", "highlight"),
+        "slack_dn": ("frame_noise", "slack_dn"),
         "coupling": ("crosstalk", "coupling"),
         "cutoff_hz": ("photoreceptor_bandwidth", "cutoff_hz"),
         "shot_c": ("low_light_shot_noise", "c"),
@@ -67,7 +73,7 @@ def point_of(parameters: Parameters) -> dict[str, float]:
     return point | {
         "gain": response.k1 * gamma / unit,
         "on_over_off": comparator.theta_on / comparator.theta_off,
-        "knee_dn": WHITE_DN * (response.k2_dn / WHITE_DN) ** (1 / gamma),
+        "knee_dn": WHITE_DN * (response.k2_dn / WHITE_DN) ** (1 / gamma) + point["pedestal_dn"],
     }
 
 
@@ -80,7 +86,7 @@ def parameters_at(point: Point, base: Parameters) -> Parameters:
     gamma, ratio = point["gamma"], math.sqrt(point["on_over_off"])
     changes["contrast_response"] = {
         "k1": point["gain"] / gamma,
-        "k2_dn": WHITE_DN * (point["knee_dn"] / WHITE_DN) ** gamma,
+        "k2_dn": WHITE_DN * (max(point["knee_dn"] - point["pedestal_dn"], 0.0) / WHITE_DN) ** gamma,
     }
     changes["comparator"] = {"theta_on": ratio, "theta_off": 1 / ratio}
     sooner_us = base.latency.delay_us - point["delay_us"]  # what frames do is seen when it was
@@ -90,8 +96,9 @@ def parameters_at(point: Point, base: Parameters) -> Parameters:
 
 def response(point: Point, grey_dn: NDArray[np.float64]) -> NDArray[np.float64]:
     """Voltage of grey levels, from that of the first one on."""
-    gamma = point["gamma"]
-    light = np.log(grey_dn**gamma + point["knee_dn"] ** gamma)
+    gamma, pedestal_dn = point["gamma"], point["pedestal_dn"]
+    knee_dn = max(point["knee_dn"] - pedestal_dn, LEAST_KNEE_DN)
+    light = np.log((grey_dn + pedestal_dn) ** gamma + knee_dn**gamma)
     return np.asarray(point["gain"] / gamma * (light - light[0]))
 
 

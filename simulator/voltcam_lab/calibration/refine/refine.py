@@ -5,7 +5,9 @@ blue: each changes what a simulation gives out, so it is tried, with the same ra
 (Gourieroux, Monfort, Renault 1993; Hooke and Jeeves 1961; Nelder and Mead 1965). Steps are judged on one part
 of the pixels; a mechanism, or other light, stays only if the other part, which saw no steps, comes closer.
 Where the light stays as it is, only events in light that is known count: else parameters would make up for
-the light between frames of this recording, and be wrong in any other.
+the light between frames of this recording, and be wrong in any other. There a grey level is light, as a
+sensor gives it out; what black and white stand for is found by itself, see `with_ends`. The spread of
+thresholds and the frames' noise are traded against the gain, see `with_spread_and_slack`.
 """
 
 from collections.abc import Callable
@@ -17,6 +19,8 @@ from numpy.typing import NDArray
 from voltcam_simulator import Parameters
 
 from ...distances import FrameLight, Region, by_pixels
+from ...distances.goal import Goal
+from ...light.known import KnownLight
 from ...light.scene import Scene
 from .coordinate_search import CoordinateSearch
 from .coordinates import (
@@ -25,10 +29,15 @@ from .coordinates import (
     parameters_at,
     point_of,
 )
-from .goal import Goal
 
 DEVELOPED_PIXELS = 12  # side of the tiles, every other one of which judges what is kept
 KNOWN = 0.3  # of the brightness: light that is further off between frames takes no part
+LEAST_END = 1e-3  # of the gaps between frames: fewer tell nothing of what black or white stands for
+PEDESTALS_DN = (3.0, 6.0, 12.0, 24.0)
+HIGHLIGHTS = (1.2, 1.5, 2.0, 4.0)
+NARROWER = (0.6, 0.3, 0.0)
+ROUNDING_DN = 0.3
+SLACKS = (0.5, 1.0, 2.0, 3.0)  # standard deviations of the noise: what is further off is light
 LONGEST = 40e6  # pixels times images of light that are simulated, unless told otherwise
 
 
@@ -69,14 +78,12 @@ def refine(
     coordinate for stay as they are in `start`. same_light: the scene stays as it is, for a camera that will
     see others. longest: pixels times images of light that are simulated, the busiest stretch of more.
     """
-    part = _busiest(events, scene, fitting, longest)
     known = scene.known(KNOWN) if same_light else None
-    seen, other = (Goal(events, half, light, known) for half in by_pixels(part, DEVELOPED_PIXELS))
-    search = CoordinateSearch(start, seen, other, scene, part, seed, report)
+    search = _search(events, scene, light, fitting, start, seed, report, longest, known)
     point = point_of(start)
     before = search.unseen(point)
     point = search.first(point)
-    lit = search.light(point, same_light)
+    lit = search.as_it_is(point) if same_light else search.light(point)
     point, kept = search.offered(lit.point)
     point = search.polished(point, CORE + kept)
     point, kept = search.without_needless(point, kept)
@@ -89,6 +96,73 @@ def refine(
         before=before,
         after=search.unseen(point),
     )
+
+
+def with_ends(
+    events: NDArray[np.void],
+    scene: Scene,
+    light: FrameLight,
+    fitting: Region,
+    start: Parameters,
+    seed: int = 0,
+    report: Callable[[str], None] = lambda step: None,
+    longest: float = LONGEST,
+) -> Parameters:
+    """`start` with what black stands for, and white, by the events of pixels while frames have them so.
+
+    Arguments as of `refine`. All else that pixels do is as it was, so nothing makes up for it.
+    """
+    white = {"input_response": {"white_level_dn": scene.white_dn}}
+    point, camera = point_of(start), start.changed(white)
+    for name, sizes, known in (
+        ("pedestal_dn", PEDESTALS_DN, scene.black()),
+        ("highlight", HIGHLIGHTS, scene.white()),
+    ):
+        if known.gaps.mean() >= LEAST_END:
+            report(f"refine: {name}")
+            search = _search(events, scene, light, fitting, camera, seed, report, longest, known)
+            point = search.end(point, name, sizes)
+    if point == point_of(start):
+        return start
+    return parameters_at(point, camera if point["highlight"] > 1 else start)
+
+
+def with_spread_and_slack(
+    events: NDArray[np.void],
+    scene: Scene,
+    light: FrameLight,
+    fitting: Region,
+    start: Parameters,
+    noise_dn: float,
+    seed: int = 0,
+    report: Callable[[str], None] = lambda step: None,
+    longest: float = LONGEST,
+) -> Parameters:
+    """`start` with thresholds that spread less, and a slack for the frames' noise; each if it helps.
+
+    Both take events from light that moves, and the gain is raised until there are as many as before: so it
+    does not make up for light that is not known. An error of the light that stays with a pixel looks like a
+    threshold of its own. noise_dn: standard deviation of a frame's grey level; rounding alone needs no slack,
+    as light between frames is made without it. Others as of `refine`.
+    """
+    search = _search(events, scene, light, fitting, start, seed, report, longest, known=None)
+    first = point = point_of(start)
+    sizes = {"threshold_spread": [first["threshold_spread"] * share for share in NARROWER]}
+    if noise_dn > ROUNDING_DN:
+        sizes["slack_dn"] = [noise_dn * size for size in SLACKS]
+    for name in sizes:
+        report(f"refine: {name}")
+        point = search.traded(point, name, sizes[name])
+    return start if point == first else parameters_at(point, start)
+
+
+def _search(
+    events: NDArray[np.void], scene: Scene, light: FrameLight, fitting: Region, start: Parameters, seed: int,
+    report: Callable[[str], None], longest: float, known: KnownLight | None,
+) -> CoordinateSearch:  # fmt: skip
+    part = _busiest(events, scene, fitting, longest)
+    seen, other = (Goal(events, half, light, known) for half in by_pixels(part, DEVELOPED_PIXELS))
+    return CoordinateSearch(start, seen, other, scene, part, seed, report)
 
 
 def _busiest(events: NDArray[np.void], scene: Scene, region: Region, longest: float) -> Region:

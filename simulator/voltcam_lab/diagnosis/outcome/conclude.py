@@ -6,15 +6,10 @@ from importlib import metadata
 
 import numpy as np
 
-from voltcam_simulator import Camera
-
 from ...dependence.words import sentence as kind_in_words
 from ...statistics import COUNTS, LABELS
-from ..catalogue.candidate import Candidate
 from ..catalogue.entries import in_words, next_recording
 from ..residual.fit import GenericTerm
-from ..rig.clock import counted_from
-from ..search.hypothesis import BASE
 from ..search.identify import Identifiability
 from ..search.left import more_than_light
 from ..search.loop import Diagnosis, Found
@@ -22,6 +17,7 @@ from ..search.settings import DEFAULTS, SearchSettings
 from ..search.settings_proof import Reporting
 from ..search.state import Search
 from ..session import Session
+from .accepted import Accepted
 from .generic import generic_of, term_in_words
 from .result import (
     Dependence,
@@ -39,14 +35,16 @@ from .result import (
     Unexplained,
     Versions,
 )
-from .where import Z_90, Ranked, View, ranked, views
+from .sizes import size_estimates
+from .where import Ranked, View, ranked, views
 
 
 def result_of(
     session: Session, search: Search, identifiability: Identifiability, diagnosis: Diagnosis,
-    generic: Sequence[GenericTerm] = (),
+    generic: Sequence[GenericTerm] = (), file: Accepted | None = None,
 ) -> Result:  # fmt: skip
-    """The result of a search in a session, and of the generic terms for what it left."""
+    """The result of a search in a session, of the generic terms for what it left, and of which file is
+    written."""
     settings, models = search.settings, views(search, diagnosis)
     first, last = next(iter(models.values())), [*models.values()][-1]
     effects = [_effect(diagnosis, found, session.origin_us, settings) for found in diagnosis.found]
@@ -57,7 +55,8 @@ def result_of(
             + _by_kind(diagnosis)
             + "".join(f" {term_in_words(term)}" for term in generic)
             + _far_from_file(diagnosis, settings)
-            + _taken_out(session)
+            + _taken_out(session, file)
+            + ("" if file is None else file.sentence())
         ),
         effects=effects,
         residual=_residual(diagnosis),
@@ -66,6 +65,7 @@ def result_of(
         gap=Gap(before=first.held_out, after=last.held_out, floor=last.floor),
         remains=_remains(diagnosis, settings),
         generic=[generic_of(term) for term in generic],
+        file=None if file is None else file.record(),
         identifiability=Identifiable(
             base=[
                 Known(name=f"{one.effect}.{one.name}", fixed=one.answer, sd=one.sd, mixed_with=one.mixed_with)
@@ -90,13 +90,6 @@ def result_of(
             not_searched=list(session.left_out), alpha=settings.score_test.alpha,
         ),
     )  # fmt: skip
-
-
-def camera_of(session: Session, diagnosis: Diagnosis, generic: Sequence[GenericTerm] = ()) -> Camera:
-    """The camera file with what was missing in it, of the recording's size."""
-    parameters = generic[-1].parameters if generic else diagnosis.hypothesis.parameters()
-    found = counted_from(parameters, -session.origin_us)
-    return session.camera.model_copy(update={"parameters": found})
 
 
 def sentence(diagnosis: Diagnosis, first: View, last: View, settings: SearchSettings = DEFAULTS) -> str:
@@ -160,31 +153,13 @@ def _far_from_file(diagnosis: Diagnosis, settings: SearchSettings) -> str:
     )
 
 
-def _taken_out(session: Session) -> str:
+def _taken_out(session: Session, file: Accepted | None) -> str:
     if not session.taken_out:
         return ""
     names = ", ".join(map(in_words, session.taken_out))
-    return f" Taken out of the camera file, as the recording is better explained without: {names}."
-
-
-def size_estimates(
-    diagnosis: Diagnosis, candidate: Candidate, origin_us: int = 0, settings: SearchSettings = DEFAULTS
-) -> dict[str, IntervalEstimate]:
-    """Of an accepted effect's sizes, by its own parameters' names, on a clock whose zero the diagnosis has at
-    -origin_us."""
-    place, hypothesis = len(BASE), diagnosis.hypothesis
-    sizes = next(
-        place + sum(len(size) for _, size in hypothesis.accepted[:k]) + np.arange(len(candidate.names))
-        for k, (one, _) in enumerate(hypothesis.accepted)
-        if (one.effect, one.names) == (candidate.effect, candidate.names)
-    )
-    assert diagnosis.covariance is not None
-    sd = np.sqrt(np.diag(diagnosis.covariance)[sizes] + settings.reporting.systematic_log_sd**2)
-    half_widths = tuple(Z_90 * float(one) for one in sd)
-    found = candidate.intervals(hypothesis.parameters(), half_widths, origin_us)
-    return {
-        name: IntervalEstimate(value=value, low=low, high=high) for name, (value, low, high) in found.items()
-    }
+    gone = "They are taken out" if file is None or file.way == "fitted" else "They stay in the new file"
+    better = "Events in known light are better explained without these effects of the camera file"
+    return f" {better}: {names}. {gone}."
 
 
 def _effect(diagnosis: Diagnosis, found: Found, origin_us: int, settings: SearchSettings) -> FoundEffect:

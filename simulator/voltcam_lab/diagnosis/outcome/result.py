@@ -106,6 +106,17 @@ class Generic(_Record):
     sentence: str
 
 
+Way = Literal["fitted", "found added", "as it was"]
+
+
+class AcceptedFile(_Record):
+    """Which camera file was written: the one whose events, of all pixels in any light, differ least from the
+    recorded. "found added": the file that was given, with what was found."""
+
+    way: Way
+    difference: dict[Way, float] = Field(description="of each; 0: the same")
+
+
 class Known(_Record):
     """A base parameter, and what the recording can tell of it. sd: of its logarithm."""
 
@@ -158,7 +169,7 @@ class DiagnosisSettings(_Record):
     columns: list[int] = Field(description="of the sensor that were looked at")
     upsampling: str = Field(description="how light between frames was found")
     taken_out: list[str] = Field(
-        description="effects of the camera file without which the recording is better explained"
+        description="effects of the camera file without which events in known light are better explained"
     )
     not_searched: list[str] = Field(description="effects that the camera file has already, or cannot show")
     alpha: float = Field(description="chance of a name where nothing is missing")
@@ -176,6 +187,7 @@ class Result(_Record):
     gap: Gap
     remains: Unexplained | None
     generic: list[Generic] = Field(description="terms of unknown mechanism, each beside those before it")
+    file: AcceptedFile | None = Field(description="which camera file was written; null where none was")
     identifiability: Identifiable
     seeds: Seeds
     versions: Versions

@@ -13,9 +13,7 @@ from ..search.robust import mean_huber
 from ..search.spread import HELD_OUT, TwinSpread, flat
 from ..search.state import Search
 from ..search.step import SearchStep
-
-Z_90 = 1.645
-"""Half width of a 90 % interval of a normal distribution [standard deviations]: no choice, so no setting."""
+from .sizes import Z_90
 
 
 @dataclass(frozen=True, eq=False)

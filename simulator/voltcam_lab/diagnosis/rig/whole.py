@@ -14,9 +14,11 @@ from voltcam_simulator.effect import Events
 from ...dependence.clock import clock_of
 from ...dependence.covariates import Look
 from ...dependence.told_apart import STEPS, Telling, ToldApart, told_apart
-from ...distances import FrameLight
+from ...distances import FrameLight, Region
+from ...distances.goal import Goal
 from ...light.known import KnownLight
-from ...light.scene import Scene
+from ...light.scene import Scene, scene_of
+from ...models.model import MODELS, simulate
 from ...models.run_up import run_up
 from ...recordings import Footage
 from ..catalogue.entries import lead_in_us
@@ -82,6 +84,11 @@ class WholeSensor:
         return self.light()
 
     @cached_property
+    def _served(self) -> Scene:
+        """The light as `serve` would have it."""
+        return scene_of(self.footage.frames, self.footage.frame_t_us, "auto")
+
+    @cached_property
     def _known(self) -> KnownLight:
         return known_light(self.scene, self.footage.events)
 
@@ -130,6 +137,22 @@ class WholeSensor:
         seen = takewhile(lambda one: one[1] <= until_us, chain(head, light))
         events = np.concatenate([np.empty(0, EVENT), *starmap(simulator.advance, seen)])
         return self._known.where(events)
+
+    def difference(self, parameters: Parameters, run: int) -> float:
+        """How far a run with these parameters is from the recording, by all pixels and in any light, known or
+        not, while there are frames: `Goal.score`, 0 for the recording itself.
+
+        The run sees the frames as `serve` takes them, with their noise.
+        """
+        footage, seed = self.footage, SEEDS + self.seed + run
+        model = MODELS["exact"](footage.width, footage.height, parameters, seed)
+        return float(self._goal.score(simulate(model, self._served)))
+
+    @cached_property
+    def _goal(self) -> Goal:
+        footage, t_us = self.footage, self.footage.frame_t_us
+        region = Region.whole(footage.width, footage.height, int(t_us[0]), int(t_us[-1]))
+        return Goal(footage.events, region, FrameLight(footage.frames, t_us))
 
     def judged(self, events: Events) -> NDArray[np.bool_]:
         """(n,): of `recorded` ones or those of a run, which are not made by light that is not known."""

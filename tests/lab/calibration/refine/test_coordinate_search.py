@@ -2,24 +2,39 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
 from voltcam_lab.calibration.refine.coordinate_search import BETTER, CoordinateSearch, LightTrial
-from voltcam_lab.calibration.refine.coordinates import ABSENT, CORE, OFFERED, Point, point_of
-from voltcam_lab.calibration.refine.goal import Goal
+from voltcam_lab.calibration.refine.coordinates import (
+    ABSENT,
+    CORE,
+    OFFERED,
+    Point,
+    parameters_at,
+    point_of,
+)
+from voltcam_lab.calibration.refine.refine import (
+    SLACKS,
+    with_ends,
+    with_spread_and_slack,
+)
 from voltcam_lab.calibration.refine.replay import Replay
 from voltcam_lab.distances import FrameLight, Region
+from voltcam_lab.distances.goal import Goal
 from voltcam_lab.light.grey import WHITE_DN
-from voltcam_lab.light.scene import Scene
-from voltcam_simulator import EVENT
+from voltcam_lab.light.scene import Scene, scene_of
+from voltcam_simulator import EVENT, Parameters
 
 from .made import START, wave
 
 PLAIN = point_of(START) | ABSENT | {"k6": 1e-5, "delay_us": 1000.0, "period_us": 500.0}
 SCENE = wave(0.05)
+WAVE_US = np.arange(0, 600_001, 10_000)
 Score = Callable[[Point], float]
 
 
@@ -37,6 +52,9 @@ class MadeSearch(CoordinateSearch):
 
     def unseen(self, point: Point) -> float:
         return self._unseen(point)
+
+    def _moving(self, point: Point) -> int:
+        return round(100 * point["gain"])
 
 
 def bowl(**best: float) -> Score:
@@ -185,7 +203,7 @@ def test_light_that_is_blurred_between_frames_is_taken_evened_where_that_is_clos
     search.scene, search.region = blurring, Region.whole(40, 40, 0, int(t_us[-1]))
     search.replay = Replay.of(blurring, search.region)
     before = unequal(PLAIN)
-    found = search.light(PLAIN, same_light=False)
+    found = search.light(PLAIN)
     assert "evened" in found.words
     assert unequal(PLAIN) == found.score < 0.2 * before
 
@@ -201,3 +219,96 @@ def test_where_there_is_no_such_camera_the_score_is_infinite() -> None:
     assert search.score(PLAIN) == search.unseen(PLAIN)
     for wrong in ({"knee_dn": WHITE_DN + 1}, {"gamma": 99.0}):
         assert search.score(PLAIN | wrong) == math.inf
+
+
+def recorded(hidden_dn: float, white_dn: float) -> tuple[NDArray[np.void], NDArray[np.uint8], Region]:
+    """(events, frames, region) of a wave from 0 to 120 DN. Frames begin at a light and end at a level."""
+    light, events, region = waving(60)
+    return events, np.rint(np.clip(light - hidden_dn, 0, white_dn)).astype(np.uint8), region
+
+
+def waving(depth_dn: float | NDArray[np.float64]) -> tuple[NDArray[np.float32], NDArray[np.void], Region]:
+    """(light, events, region) of a wave about 60 DN, so deep, or so deep in each column."""
+    y, x = np.indices((24, 24))
+    light = np.array([60 + depth_dn * np.sin((x + y / 2 - t / 20_000) / 2) for t in WAVE_US], np.float32)
+    region = Region.whole(24, 24, 100_000, int(WAVE_US[-1]))
+    return light, Replay.of(scene_of(light, WAVE_US, "linear"), region).events(START, seed=2), region
+
+
+def test_what_black_stands_for_is_found_where_frames_have_it() -> None:
+    real, frames, region = recorded(10, 255)
+    start = point_of(START) | {"knee_dn": point_of(START)["knee_dn"] + 10}  # as it is where frames tell it
+    camera, said = parameters_at(start, START), list[str]()
+
+    def found(taken: NDArray[np.uint8]) -> Parameters:
+        scene, light = scene_of(taken, WAVE_US, "linear"), FrameLight(taken, WAVE_US)
+        return with_ends(real, scene, light, region, camera, 1, said.append)
+
+    assert 7 < found(frames).input_response.pedestal_dn < 14
+    assert said == ["refine: pedestal_dn"]
+    assert found(frames + 5) is camera
+    assert said[1:] == []
+
+
+def test_what_white_stands_for_is_found_where_frames_have_it() -> None:
+    """Full at 80 DN. Light goes to 120, half as much again."""
+    real, frames, region = recorded(0, 80)
+    scene, light = scene_of(frames, WAVE_US, "linear"), FrameLight(frames, WAVE_US)
+    found = with_ends(real, replace(scene, white_dn=80.0), light, region, START, 1).input_response
+    assert 1.1 < found.highlight < 1.5
+    assert found.white_level_dn == 80
+    assert found.pedestal_dn < 3
+
+
+def test_an_end_stays_as_it_was_where_other_pixels_lose_by_it() -> None:
+    def worse(point: Point) -> float:
+        return 1 + point["pedestal_dn"]
+
+    def better(point: Point) -> float:
+        return 1 / (1 + point["pedestal_dn"])
+
+    assert MadeSearch(better, worse).end(PLAIN, "pedestal_dn", (3.0, 9.0)) == PLAIN
+    assert MadeSearch(better).end(PLAIN, "pedestal_dn", (3.0, 9.0))["pedestal_dn"] > 9
+    assert MadeSearch(bowl(pedestal_dn=10.0)).end(PLAIN | {"pedestal_dn": 10.0}, "pedestal_dn", (3.0,)) == (
+        PLAIN | {"pedestal_dn": 10.0}
+    )
+
+
+def test_thresholds_that_seemed_to_spread_do_so_less_where_recorded_events_do() -> None:
+    """The gain goes with it: as many events as a wide spread gave by low thresholds are now made by light."""
+    light, real, region = waving(60)
+    scene, seen = scene_of(light, WAVE_US, "linear"), FrameLight(light.astype(np.uint8), WAVE_US)
+    low = 0.8 * START.contrast_response.k1
+    wide = START.changed({"threshold_mismatch": {"sigma": 0.4}, "contrast_response": {"k1": low}})
+    found = with_spread_and_slack(real, scene, seen, region, wide, 0.3, 1)
+    assert found.threshold_mismatch.sigma < 0.13
+    events = [Replay.of(scene, region).events(one, seed=4).size for one in (wide, found)]
+    assert events[1] == pytest.approx(events[0], rel=0.05)
+    assert found.contrast_response.k1 == pytest.approx(START.contrast_response.k1, rel=0.1)
+
+
+def test_what_comes_no_closer_is_not_traded() -> None:
+    search = MadeSearch(lambda point: 1 + point["slack_dn"])
+    assert search.traded(PLAIN, "slack_dn", (1.0, 2.0)) == PLAIN
+    search = MadeSearch(lambda point: 9 - point["slack_dn"], lambda point: 1.0)
+    assert search.traded(PLAIN, "slack_dn", (1.0, 2.0)) == PLAIN
+    search = MadeSearch(lambda point: 9 - point["slack_dn"])
+    assert search.traded(PLAIN, "slack_dn", (1.0, 2.0))["slack_dn"] == 2.0
+
+
+@pytest.mark.parametrize("noise_dn", [3.0, 0.0])
+def test_noise_of_frames_is_kept_from_the_pixels(noise_dn: float) -> None:
+    """The camera saw light that rests but on the left; frames have noise. Without it there is no slack."""
+    light, real, region = waving(np.repeat([30.0, 0.0], [6, 18]))
+    noise = np.random.default_rng(3).normal(0, noise_dn, light.shape)
+    frames = np.rint(np.clip(light + noise, 0, 255)).astype(np.uint8)
+    scene, seen = scene_of(frames, WAVE_US, "linear"), FrameLight(frames, WAVE_US)
+    found = with_spread_and_slack(real, scene, seen, region, START, max(noise_dn, 0.5), 1)
+    assert found.frame_noise.slack_dn in [0.0 if noise_dn == 0 else size * noise_dn for size in SLACKS]
+    if noise_dn == 0:
+        return
+    before, after = (Replay.of(scene, region).events(one, seed=4) for one in (START, found))
+    expected, with_noise, calm = (np.count_nonzero(each["x"] >= 6) for each in (real, before, after))
+    assert calm - expected < 0.4 * (with_noise - expected)
+    moving = [np.count_nonzero(each["x"] < 6) for each in (before, after)]
+    assert moving[1] == pytest.approx(moving[0], rel=0.05)  # the gain makes up for what a slack takes

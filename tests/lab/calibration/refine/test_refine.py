@@ -13,10 +13,10 @@ from tests.lab.calibration.refine.made import (
 )
 
 from voltcam_lab.calibration.refine.coordinates import ABSENT, PLACES, point_of, response
-from voltcam_lab.calibration.refine.goal import Goal
 from voltcam_lab.calibration.refine.refine import Refined, refine
 from voltcam_lab.calibration.refine.replay import Replay
 from voltcam_lab.distances import Yardstick
+from voltcam_lab.distances.goal import Goal
 from voltcam_lab.models.model import MODELS, simulate
 
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from voltcam_lab.diagnosis.outcome.conclude import sentence, size_estimates
-from voltcam_lab.diagnosis.outcome.where import Z_90, View
+from voltcam_lab.diagnosis.outcome.conclude import sentence
+from voltcam_lab.diagnosis.outcome.where import View
 from voltcam_lab.diagnosis.search.evidence import Evidence
-from voltcam_lab.diagnosis.search.hypothesis import BASE, Hypothesis
+from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
 from voltcam_lab.diagnosis.search.loop import Diagnosis, Found
 from voltcam_lab.diagnosis.search.settings import DEFAULTS
 from voltcam_lab.diagnosis.search.unlisted import ResidualTerm
@@ -75,18 +75,3 @@ def test_of_what_has_no_name_the_nearest_effect_and_a_formula_are_said() -> None
     said = sentence(replace(unknown, residual=term), BEFORE, AFTER)
     assert "falls from 4.50 to 0.60" in said
     assert said.endswith("A term of unknown origin, drift += 1e-07/us, explains part of it.")
-
-
-def test_sizes_have_intervals_of_their_own_covariance() -> None:
-    """Of two effects the second; the spread of forms adds to it. In the middle is what was fitted."""
-    hypothesis = Hypothesis(START).with_effect(MISMATCH, (0.1,)).with_effect(DEAD_TIME, (1000.0,))
-    hypothesis = replace(hypothesis, shift=(*hypothesis.shift[:-1], 0.4))
-    covariance = np.diag(np.array([0.01] * len(BASE) + [0.09, 0.04]))
-    diagnosis = replace(found(), hypothesis=hypothesis, covariance=covariance)
-    one = size_estimates(diagnosis, DEAD_TIME)["period_us"]
-    half = Z_90 * np.hypot(0.2, DEFAULTS.reporting.systematic_log_sd)
-    assert one.value == pytest.approx(1000 * np.exp(0.4))
-    assert (one.low, one.high) == pytest.approx((one.value * np.exp(-half), one.value * np.exp(half)))
-    other = size_estimates(diagnosis, MISMATCH)["sigma"]
-    wider = Z_90 * np.hypot(0.3, DEFAULTS.reporting.systematic_log_sd)
-    assert (other.value, other.high) == pytest.approx((0.1, 0.1 * np.exp(wider)))

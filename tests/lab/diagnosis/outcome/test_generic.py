@@ -8,7 +8,8 @@ import pytest
 
 from voltcam_lab.dependence.covariates import Covariate
 from voltcam_lab.dependence.told_apart import Telling, ToldApart
-from voltcam_lab.diagnosis.outcome.conclude import camera_of, result_of
+from voltcam_lab.diagnosis.outcome.accepted import Accepted, camera_of, fitted
+from voltcam_lab.diagnosis.outcome.conclude import result_of
 from voltcam_lab.diagnosis.outcome.generic import generic_of, term_in_words
 from voltcam_lab.diagnosis.outcome.report import page_of
 from voltcam_lab.diagnosis.residual.fit import GenericTerm
@@ -52,9 +53,15 @@ def test_it_stands_in_result_page_and_camera_file_and_the_verdict_stays(done: Do
     assert term_in_words(terms[0]) in result.sentence
     page = page_of(done.session, done.search, done.identifiability, unknown, result)
     assert "It is in the camera file as <code>residual_kick</code>" in page
-    kick = camera_of(done.session, unknown, terms).parameters.residual_kick
+    as_it_was = Accepted(done.session.parameters, "as it was", {"fitted": 2.0, "as it was": 1.0})
+    result = result_of(done.session, done.search, done.identifiability, unknown, terms, as_it_was)
+    page = page_of(done.session, done.search, done.identifiability, unknown, result)
+    assert "It is in the camera file" not in page
+    assert "The camera file is nearer without it." in page
+    assert "the new file is the one that was given" in page
+    kick = camera_of(done.session, fitted(unknown, terms)).parameters.residual_kick
     assert (kick.after_on, kick.after_off, kick.chance, kick.delay_us) == (2.0, -2.0, 0.25, 600.0)
-    assert not camera_of(done.session, unknown).parameters.residual_kick.active
+    assert not camera_of(done.session, fitted(unknown)).parameters.residual_kick.active
 
 
 @pytest.mark.parametrize("nats", [0.002, 0.05])

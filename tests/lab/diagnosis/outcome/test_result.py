@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
-from voltcam_lab.diagnosis.outcome.conclude import camera_of, result_of
+from voltcam_lab.diagnosis.outcome.accepted import Accepted, camera_of, fitted
+from voltcam_lab.diagnosis.outcome.conclude import result_of
 from voltcam_lab.diagnosis.outcome.result import Result, schema
 from voltcam_simulator import Camera
 
@@ -41,11 +42,15 @@ def test_the_seeds_are_those_of_the_runs_that_were_made(done: Done, result: Resu
 
 
 def test_what_was_taken_out_of_the_camera_file_is_said_last(done: Done) -> None:
-    session = replace(done.session, taken_out=("noise_pairs", "latency"))
-    result = result_of(session, done.search, done.identifiability, done.diagnosis)
-    assert result.sentence.startswith("The camera file lacks refractory period")
-    assert result.sentence.endswith("better explained without: noise pairs, latency.")
-    assert result.settings.taken_out == ["noise_pairs", "latency"]
+    more = {"noise_pairs": {"rate_hz": 0.5}, "latency": {"delay_us": 2000}}
+    given = done.session.camera.parameters.changed(more)
+    session = replace(done.session, given=done.session.camera.model_copy(update={"parameters": given}))
+    for way, end in (("fitted", "They are taken out."), ("found added", "They stay in the new file.")):
+        file = Accepted(given, way, {})  # type: ignore[arg-type]
+        result = result_of(session, done.search, done.identifiability, done.diagnosis, file=file)
+        assert result.sentence.startswith("The camera file lacks refractory period")
+        assert f"without these effects of the camera file: noise pairs, latency. {end}" in result.sentence
+        assert set(result.settings.taken_out) == set(more)
 
 
 def test_it_is_said_when_the_file_seems_to_be_of_another_camera(done: Done, result: Result) -> None:
@@ -101,7 +106,7 @@ def test_the_schema_in_docs_is_the_code_s() -> None:
 
 def test_the_camera_file_loads_and_has_the_effect(done: Done, result: Result, tmp_path: Path) -> None:
     path = tmp_path / "camera.yaml"
-    path.write_text(camera_of(done.session, done.diagnosis).to_yaml())
+    path.write_text(camera_of(done.session, fitted(done.diagnosis)).to_yaml())
     camera = Camera.load(path)
     assert (camera.width, camera.height) == (32, 24)
     value = result.effects[0].parameters["period_us"].value

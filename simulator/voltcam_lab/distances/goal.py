@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 
 from voltcam_simulator.effect import Events
 
-from ...distances import FrameLight, Region
-from ...distances.counts import count_images, in_still_light, watched
-from ...distances.inter_event_intervals import Intervals, IntervalStrata, any_polarity, same_polarity
-from ...light.known import KnownLight
+from ..light.frame_light import FrameLight
+from ..light.known import KnownLight
+from .counts import count_images, in_still_light, watched
+from .inter_event_intervals import Intervals, IntervalStrata, any_polarity, same_polarity
+from .region import Region
 
 DECADES = (1.5, 7.5)
 PER_DECADE = 10
@@ -53,6 +54,11 @@ class Goal:
             total += REST * float((np.sqrt(rest) - np.sqrt(real_rest)) ** 2) / max(real_rest, 50.0)
         apart = np.sqrt(_shared(simulated, self.region)) - np.sqrt(self._shared)
         return total + SHARED * float(apart**2)
+
+    def moving(self, simulated: Events) -> int:
+        """How many events there are where light does not stand still."""
+        events = self.region.of(self._in_known_light(simulated))
+        return int(events.size - in_still_light(events, self.region, self.light).size)
 
     @cached_property
     def _real(self) -> Events:

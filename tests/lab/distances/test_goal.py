@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from voltcam_lab.calibration.refine.goal import SHARED, Goal
 from voltcam_lab.distances import FrameLight, Region
+from voltcam_lab.distances.goal import SHARED, Goal
 from voltcam_lab.light.known import KnownLight
 from voltcam_simulator import EVENT
 
