@@ -203,7 +203,7 @@ def best_scene(
         rounding = rounding_errors(frames)[..., columns]
     scene = scene_between(frames, t_us, columns, untrusted_share, white)
     if scene.on_curves:
-        scene = scene.coarser()
+        scene = scene.out_of_step()
     return scene if rounding is None else scene.with_rounding(rounding)
 
 

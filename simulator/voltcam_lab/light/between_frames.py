@@ -37,8 +37,8 @@ def mean_doubt(scene: Scene) -> float:
 
 
 def untrusted_share(scene: Scene) -> float:
-    """Of pixels and time."""
-    return float(np.mean(~scene.trusted()))
+    """Of pixels and time, by the scene's own `tolerance`."""
+    return float(np.mean(~scene.trusted(scene.tolerance)))
 
 
 def scene_between(

@@ -8,13 +8,18 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import make_interp_spline
+from scipy.interpolate import PchipInterpolator, make_interp_spline
 
 from .grey import USUAL_DARK_DN
 
 Light = NDArray[np.float32]
 STEPS = (1, 2, 4)
 SAG = 0.002  # of ln L, a hundredth of a threshold: chords are no further from the curve, but where STEPS end
+SHORTEST_US = 1250  # of a chord that is out of step
+OUT_OF_STEP = (
+    1.1338  # chords for one that sags enough: of no simple ratio to the frames, whichever number these have
+)
+NEARLY_ALL = 0.99  # of the pixels, whose chords decide
 FEWEST = 4  # frames that a cubic spline needs
 
 
@@ -42,3 +47,31 @@ def along_spline(taken: NDArray[Any], taken_us: NDArray[np.int64]) -> tuple[Ligh
     images.append(taken[-1].astype(np.float32))
     times.append(int(taken_us[-1]))
     return np.stack(images), np.array(times, np.int64)
+
+
+def out_of_step(
+    taken: NDArray[Any], taken_us: NDArray[np.int64], monotone: bool
+) -> tuple[Light, NDArray[np.int64]]:
+    """Images (N, H, W) at t_us (N,), at instants that do not keep step with the frames, but for the first and
+    the last of these; so many that chords are near the curve for nearly all pixels.
+
+    Where light bends, a chord is late at its begin and early at its end. Chords that begin with the frames
+    would make events go with the frames' phase. monotone: on the monotone cubic of F. N. Fritsch and J.
+    Butland (SIAM J. Sci. Stat. Comput. 5, 1984) instead of the spline.
+    """
+    if len(taken) < FEWEST:
+        return taken.astype(np.float32), taken_us
+    log = np.log(taken.astype(np.float32) + np.float32(USUAL_DARK_DN))
+    seconds = (taken_us - taken_us[0]) * 1e-6
+    curve: Any = PchipInterpolator(seconds, log) if monotone else make_interp_spline(seconds, log, k=3)
+    sag = np.array([
+        np.quantile(np.abs(curve(middle) - 0.5 * (former + after)), NEARLY_ALL)
+        for middle, former, after in zip(0.5 * (seconds[1:] + seconds[:-1]), log[:-1], log[1:], strict=True)
+    ])  # fmt: skip
+    most = np.maximum(np.diff(taken_us) / SHORTEST_US, 1)
+    chords = np.concatenate([[0], np.cumsum(np.clip(np.sqrt(sag / SAG), 1, most))])
+    number = int(np.ceil(OUT_OF_STEP * chords[-1]))
+    places = np.interp(np.linspace(0, chords[-1], number + 1), chords, taken_us)
+    t_us = np.unique(np.round(places).astype(np.int64))
+    light = [np.exp(curve((one - taken_us[0]) * 1e-6)) - USUAL_DARK_DN for one in t_us]
+    return np.maximum(light, 0).astype(np.float32), t_us

@@ -21,6 +21,7 @@ from voltcam_lab.statistics.pixels import PIXELS
 from voltcam_lab.statistics.rates import RATES
 from voltcam_lab.statistics.readout import READOUT
 from voltcam_lab.statistics.setting import PARTS, Setting, setting_of
+from voltcam_lab.statistics.silence import SILENCE
 from voltcam_lab.statistics.spectrum import SPECTRUM
 from voltcam_lab.statistics.stream import stream_of
 from voltcam_lab.statistics.trend import TREND
@@ -29,6 +30,7 @@ __all__ = [
     "COUNTS",
     "FLOORS",
     "GROUPS",
+    "IN_ANY_LIGHT",
     "LABELS",
     "PARTS",
     "Group",
@@ -52,6 +54,7 @@ GROUPS: tuple[Group, ...] = (
     NEIGHBOURS,
     FIRST_PASSAGE,
     NET_EVENTS,
+    SILENCE,
 )
 
 LABELS: tuple[Label, ...] = tuple(label for group in GROUPS for label in group.labels)
@@ -59,6 +62,9 @@ LABELS: tuple[Label, ...] = tuple(label for group in GROUPS for label in group.l
 
 COUNTS: NDArray[np.bool_] = np.array([label.kind == "count" for label in LABELS])
 """Which entries are counts."""
+
+IN_ANY_LIGHT: NDArray[np.bool_] = np.array([group.in_any_light for group in GROUPS for _ in group.labels])
+"""Which entries are of events in any light; all others are of those in known light."""
 
 _TURN = 4.0  # times the floor, in a lull: where light comes to rest between two frames they tell least of it
 
@@ -79,7 +85,8 @@ def observe(setting: Setting, events: NDArray[np.void]) -> Observation:
     """All statistics of events (EVENT dtype, in any order) in a setting.
 
     Intervals belong to the part in which they end. Events outside of the scene's time, of the kept pixels or
-    of known light (but for net events) are left out, and intervals through light that is not known.
+    of known light are left out, and intervals through light that is not known. Net events and silence are of
+    any light.
     """
     stream = stream_of(setting, events)
     return Observation(np.hstack([group.observe(setting, stream) for group in GROUPS]))

@@ -38,11 +38,15 @@ class Label:
 
 @dataclass(frozen=True)
 class Group:
-    """Statistics of one idea: their labels, and how to take them, (PARTS, len(labels)) of a stream."""
+    """Statistics of one idea: their labels, and how to take them, (PARTS, len(labels)) of a stream.
+
+    in_any_light: of events whose light between frames need not be known, as what it did says nothing else.
+    """
 
     letter: str
     labels: tuple[Label, ...]
     observe: Callable[[Setting, EventTable], Values]
+    in_any_light: bool = False
 
 
 POLARITY = ("polarity", ("OFF", "ON"))

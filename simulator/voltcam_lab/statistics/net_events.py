@@ -70,4 +70,4 @@ def _beyond(setting: Setting, stream: EventTable, half: int, mine: Pixels) -> tu
     return explained + rest, rest
 
 
-NET_EVENTS = Group("K", _LABELS, observe_net_events)
+NET_EVENTS = Group("K", _LABELS, observe_net_events, in_any_light=True)

@@ -20,7 +20,6 @@ KINDS = ("ON moving", "OFF moving", "ON at rest", "OFF at rest")
 _PATH = (0, 1, 2, 2)  # which row of Setting.path each kind goes by
 PRODUCTS = ((0, 0), (1, 1), (0, 1), (2, 2), (3, 3), (2, 3), (0, 2))
 HIGH, LOW = (4.0, 8.0, 16.0), (-1.5, -2.5)
-SILENT = (3.0, 6.0)
 _CLIP = 4.0  # a hot pixel must not drown the others
 
 _LABELS = (
@@ -34,13 +33,11 @@ _LABELS = (
     *labels("C", "spread over pixels", "value", ("kind", KINDS), floor=4.0),
     *labels("C", "pixels far above", "count", ("kind", KINDS[::2]), ("score", tuple(f"{s:g}" for s in HIGH))),
     *labels("C", "pixels far below", "count", ("kind", KINDS[:2]), ("score", tuple(f"{s:g}" for s in LOW))),
-    *labels("C", "silent pixels", "count", ("expected events", tuple(f"{n:g}" for n in SILENT))),
-    *labels("C", "events that silent pixels lack", "value", floor=SILENT[0]),
 )
 
 
 def observe_pixels(setting: Setting, stream: EventTable) -> Values:
-    """Mismatch lasts and shows while moving; leak spread at rest; hot pixels stand out; dead are silent."""
+    """Mismatch lasts and shows while moving; leak spread at rest; hot pixels stand out."""
     stream = stream.settled
     n = counts(stream, len(setting.pixels))
     tile = setting.tiles.ravel()[setting.pixels]
@@ -89,10 +86,7 @@ def _of_part(n: NDArray[np.float64], path: NDArray[np.float64]) -> NDArray[np.fl
     spread = (np.clip(whole, -_CLIP, _CLIP) ** 2).sum(axis=1)
     high = [(one > limit).sum() for one in whole[::2] for limit in HIGH]
     low = [(one < limit).sum() for one in whole[:2] for limit in LOW]
-    lack = np.where(n.sum(axis=0) == 0, e.sum(axis=0), 0)
-    silent = [(lack >= limit).sum() for limit in SILENT]
-    lacking = lack[lack >= SILENT[0]].sum()
-    return np.array([*products, *spread, *high, *low, *silent, lacking])
+    return np.array([*products, *spread, *high, *low])
 
 
 PIXELS = Group("C", _LABELS, observe_pixels)

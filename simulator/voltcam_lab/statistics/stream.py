@@ -16,13 +16,17 @@ from voltcam_simulator.kernel import kernel
 _CLASSES = np.divmod(np.arange(INTENSITIES * SLOPES, dtype=np.int32), SLOPES)  # of each stratum's index
 NONE = -1
 """Interval of an event that has no other of its pixel before it."""
-_OF_PIXELS = ("ends", "between")  # of EventTable: has a place for each pixel, not a row for each event
+_OF_PIXELS = (
+    "ends",
+    "between",
+    "in_any_light",
+)  # of EventTable: has a place for each pixel, not a row for each event
 
 
 @dataclass(frozen=True, eq=False)
 class EventTable:
     """n events in the order (t, pixel, polarity), of the setting's pixels and time only. Columns (n,),
-    but the last two."""
+    but the last three."""
 
     t_us: NDArray[np.int64]
     pixel: NDArray[np.int32]
@@ -51,6 +55,8 @@ class EventTable:
     """(HALVES, 2, K): numbers of a pixel's first and last event of each half; -1 where it has no two."""
     between: NDArray[np.int32]
     """(HALVES, 2 polarities, K): how many events of it, in any light, come after the first up to the last."""
+    in_any_light: NDArray[np.int32]
+    """(HALVES, K): how many events a pixel has."""
 
     @cached_property
     def settled(self) -> "EventTable":
@@ -70,7 +76,7 @@ class EventTable:
 def stream_of(setting: Setting, events: NDArray[np.void]) -> EventTable:
     """Put events (EVENT dtype, in any order) in order and find their place in the setting.
 
-    Those in light that is not known are left out, but for `between`.
+    Those in light that is not known are left out, but for `between` and `in_any_light`.
     """
     key, bits = ordered(setting, setting.known.where(events))
     n = len(key)
@@ -85,20 +91,23 @@ def stream_of(setting: Setting, events: NDArray[np.void]) -> EventTable:
     )  # fmt: skip
     return EventTable(
         t_us, pixel, place, on, part, quarter, intensity, slope, moving, log, interval_us, former, unsettled,
-        *_from_end_to_end(setting, events, t_us, place),
+        *_of_pixels(setting, events, t_us, place),
     )  # fmt: skip
 
 
-def _from_end_to_end(
+def _of_pixels(
     setting: Setting, events: NDArray[np.void], t_us: NDArray[np.int64], place: NDArray[np.int32]
-) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """`ends` and `between` of an EventTable with these columns, of these events."""
+) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
+    """`ends`, `between` and `in_any_light` of an EventTable with these columns, of these events."""
     shape = (HALVES, 2, len(setting.pixels))
     ends, between = np.full(shape, -1, np.int32), np.zeros(shape, np.int32)
     find_ends(t_us, place, setting.halves.middle_us, ends)
     t, x, y, p = (np.ascontiguousarray(events[name]) for name in "txyp")
     count_between(t, x, y, p, setting.place, setting.scene.width, t_us, ends, between)
-    return ends, between
+    in_any_light = np.zeros((HALVES, len(setting.pixels)), np.int32)
+    edges_us = setting.block_edges_us[0], setting.halves.middle_us, setting.block_edges_us[-1]
+    count_halves(t, x, y, setting.place, setting.scene.width, *edges_us, in_any_light)
+    return ends, between, in_any_light
 
 
 def ordered(setting: Setting, events: NDArray[np.void]) -> tuple[NDArray[np.int64], int]:
@@ -138,6 +147,17 @@ def count_between(
         for half in range(ends.shape[0]):
             if k >= 0 and ends[half, 0, k] >= 0 and t_us[ends[half, 0, k]] < t[i] <= t_us[ends[half, 1, k]]:
                 between[half, np.int64(p[i]), k] += 1
+
+
+@kernel
+def count_halves(
+    t: Any, x: Any, y: Any, places: Any, width: Any, begin_us: Any, middle_us: Any, end_us: Any, n: Any
+) -> None:
+    """Count the events of each pixel in each half, in any order; before and behind none counts."""
+    for i in range(t.size):
+        k = places[np.int64(y[i]) * width + x[i]]
+        if k >= 0 and begin_us < t[i] <= end_us:
+            n[1 if t[i] > middle_us else 0, k] += 1
 
 
 @kernel

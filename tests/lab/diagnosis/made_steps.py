@@ -3,6 +3,7 @@
 import numpy as np
 
 from voltcam_lab.diagnosis.catalogue.candidate import Candidate
+from voltcam_lab.diagnosis.search.chance import Chance
 from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
 from voltcam_lab.diagnosis.search.screen import Screen
 from voltcam_lab.diagnosis.search.settings import DEFAULTS
@@ -33,9 +34,10 @@ def trial(candidate: Candidate, left: float, confirmed: float | None = None, shi
 def step(excess: float, *trials: Trial, added: Candidate | None = None, held_out: float = 4.0) -> SearchStep:
     """Deviations all alike, of which chance leaves nothing. An added effect moves no statistic."""
     mean, sd = np.zeros((PARTS, N)), np.ones((PARTS, N))
-    spread = TwinSpread(mean, sd, mean, sd, [], mean[..., None], 4)
+    spread = TwinSpread(mean, sd, mean, sd, [], mean[..., None], 4, mean)
     hypothesis = Hypothesis(START) if added is None else Hypothesis(START).with_effect(added, added.sizes[0])
-    screen = Screen(hypothesis, spread, mean[..., None], (), np.zeros(0), DEFAULTS)
+    nobody = Chance(np.zeros(0))
+    screen = Screen(hypothesis, spread, mean[..., None], (), DEFAULTS, nobody, nobody)
     return SearchStep(
         hypothesis, screen, rest=np.full((PARTS, N), 2.0), chance=np.zeros((PARTS, N)),
         training=FLOOR + excess, held_out=FLOOR + held_out, floor_training=FLOOR, floor_held_out=FLOOR,

@@ -78,35 +78,6 @@ def test_doubt_is_largest_half_way_and_nothing_at_a_frame() -> None:
     assert not outside.any()
 
 
-def swaying(pixels: int) -> Scene:
-    """Of 10 000 pixels so many go up and down by 40 of 100 DN, by 1.2 radians from frame to frame."""
-    taken_us = 4000 * np.arange(30, dtype=np.int64)
-    taken = np.full((30, 10_000), 100.0)
-    taken[:, :pixels] += 40 * np.sin(taken_us[:, None] * 3e-4 + np.linspace(0, 6, pixels))
-    return scene_of(taken.reshape(30, 100, 100).astype(np.float32), taken_us, "cubic")
-
-
-def test_coarser_light_has_one_image_between_frames_in_the_middle() -> None:
-    scene = swaying(90)  # less than a hundredth
-    coarse = scene.coarser()
-    assert np.isin(scene.taken_us, coarse.t_us).all()
-    assert set(np.diff(scene.t_us)) == {1000}
-    assert set(np.diff(coarse.t_us)) == {2000}
-    assert coarse.images == pytest.approx(scene.images[np.isin(scene.t_us, coarse.t_us)])
-    assert coarse.surprise is scene.surprise
-
-
-def test_light_that_chords_would_miss_stays_as_it_is() -> None:
-    """In the middle of a chord of 2 ms it misses 40 DN by (1 - cos 0.3), 1.8 DN."""
-    assert set(np.diff(swaying(10_000).coarser().t_us)) == {1000}
-
-
-def test_light_that_is_straight_stays_so_when_it_is_made_coarser() -> None:
-    taken_us = 4000 * np.arange(6, dtype=np.int64)
-    scene = scene_of(np.full((6, 2, 3), 50, np.uint8), taken_us, "spline")
-    assert scene.coarser().t_us.tolist() == taken_us.tolist()
-
-
 def test_the_bow_is_how_far_images_leave_the_straight_line() -> None:
     taken = np.full((3, 2, 2), 100.0, np.float32)
     taken[1, 0, 1] = 140
@@ -115,3 +86,45 @@ def test_the_bow_is_how_far_images_leave_the_straight_line() -> None:
     found = Scene(taken, taken_us, images, t_us, "auto")
     assert found.bow[0] == pytest.approx([0, 20 / 120, 0, 0])  # at 5000 us 120 DN would be straight
     assert not found.bow[1].any()
+
+
+def swinging(period_us: float, how: str = "spline", frames: int = 60) -> Scene:
+    """Every pixel goes up and down by 40 of 100 DN, each from a phase of its own."""
+    taken_us = PERIOD_US * np.arange(frames, dtype=np.int64)
+    phase = np.linspace(0, 6, 400).reshape(20, 20)
+    taken = 100 + 40 * np.sin(2 * np.pi * taken_us[:, None, None] / period_us + phase)
+    return scene_of(taken.astype(np.float32), taken_us, how)
+
+
+def test_surprise_falls_less_where_light_is_fast_against_frames() -> None:
+    """The error of a cubic spline goes with the fourth power of the time between frames, or a higher one."""
+    slow, faster, fast = (swinging(n * PERIOD_US).fall for n in (16, 12, 8))
+    assert 0 < slow < 1 / 16
+    assert 1.5 * slow < faster < 0.8 * fast < 0.8
+
+
+def test_the_fall_of_surprise_is_a_usual_one_where_little_tells_it() -> None:
+    still = scene_of(np.full((60, 20, 20), 100.0, np.float32), PERIOD_US * np.arange(60), "spline")
+    assert still.fall == swinging(8 * PERIOD_US, frames=8).fall
+    assert 1 / 16 < still.fall < 1 / 4
+    assert swinging(9.5 * PERIOD_US, "auto").fall == 1
+
+
+def test_light_on_a_curve_may_surprise_more_for_the_same_error() -> None:
+    curve, guess = swinging(20 * PERIOD_US), swinging(20 * PERIOD_US, "auto")
+    assert guess.tolerance == TRUSTED
+    assert curve.tolerance == 2 * TRUSTED
+
+
+def test_a_scene_out_of_step_has_its_curve_its_frames_and_its_surprise() -> None:
+    for how in ("spline", "cubic"):
+        scene = swinging(12 * PERIOD_US, how)
+        found = scene.out_of_step()
+        assert found.how == how
+        assert found.taken is scene.taken
+        assert found.surprise is scene.surprise
+        assert not np.isin(scene.taken_us[1:-1], found.t_us).all()
+        at = np.searchsorted(found.t_us, 300_000, side="right") - 1
+        share = (300_000 - found.t_us[at]) / (found.t_us[at + 1] - found.t_us[at])
+        met = (1 - share) * found.images[at] + share * found.images[at + 1]
+        np.testing.assert_allclose(met, scene.taken[30], rtol=0.01)

@@ -22,7 +22,7 @@ def setting() -> Setting:
 
 def test_labels_tell_every_entry_apart() -> None:
     assert len({str(label) for label in LABELS}) == len(LABELS) == len(COUNTS)
-    assert [group.letter for group in GROUPS] == list("ABCDEFGHIJK")
+    assert [group.letter for group in GROUPS] == list("ABCDEFGHIJKL")
 
 
 def test_no_events_are_an_observation_too(setting: Setting) -> None:

@@ -23,7 +23,7 @@ _HEAT = LinearSegmentedColormap.from_list("heat", ["#f4f6f9", "#9fc4e0", "#2a78b
 _GROUPS = {
     "A": "rates", "B": "intervals", "C": "pixels", "D": "readout", "E": "spectrum", "F": "frame phase",
     "G": "trend", "H": "lag", "I": "neighbours", "J": "first passage",
-    "K": "net events",
+    "K": "net events", "L": "silence",
 }  # fmt: skip
 
 

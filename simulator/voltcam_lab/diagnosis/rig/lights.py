@@ -32,7 +32,7 @@ def light_behind(
     largest = maximum_filter(scene.surprise.reshape(scene.taken.shape), (1, 3, 3))
     times = settings.noisier if noisier else 1.0
     error = settings.on_curves if scene.on_curves else settings.along_motion
-    of_change = error.of_change * scene.surprise_by_change
+    of_change = error.of_change * scene.surprise_by_change * scene.fall
     shape, last = scene.taken.shape[1:], len(scene.taken_us) - 1
     frame, gap, lean = -1, np.zeros(shape, np.float32), np.zeros(shape, np.float32)
     hidden = np.float16(times) * _hidden_by_rounding(scene, version)
@@ -59,7 +59,7 @@ def known_light(scene: Scene, events: Events) -> KnownLight:
     nor in the gaps before and behind a surprise: an edge may go by unseen there.
     """
     if scene.on_curves:
-        return scene.known()
+        return scene.known(scene.tolerance)
     enough = [min(ENOUGH_EACH, np.count_nonzero(events["p"] == p) / 2) for p in (False, True)]
     for tolerance in _TOLERANCES[:-1]:
         known = _known_to(scene, tolerance)

@@ -48,7 +48,7 @@ class LightError:
     squares of two parts.
 
     of_surprise: share of the largest `Scene.surprise` there. of_change: share of the surprise that such a
-    change from frame to frame makes in this scene (`Scene.surprise_by_change`).
+    change from frame to frame makes in this scene (`Scene.surprise_by_change`), times its `fall`.
     """
 
     of_surprise: float
@@ -62,10 +62,9 @@ class RigSettings:
     versions: int = 4
     """Versions of the light; a power of two of them. What frames leave open must not look like a
     gap. Convention: time."""
-    on_curves: LightError = LightError(0.05, 0.18)
+    on_curves: LightError = LightError(0.05, 1.5)
     """The light's error where it lies on a curve through the frames. Measured on the generator's development
-    scenes: 0.03 to 0.06, and 0.08 to 0.19 on six of 200 frames/s, 0.03 on plane waves of 110. Of two
-    photographs without an effect `latency` gains 258 and 305 with 0.13 for 0.18."""
+    scenes: 0.03 to 0.06 of six of 200 frames/s, and 0.7 to 3.6 of 30 of 26 to 200 frames/s."""
     along_motion: LightError = LightError(0.1, 0.65)
     """The same where motion had to be guessed. Measured: 0.07 to 0.29 and 0.33 to 1.1 on 16 scenes of 27 to
     136 frames/s."""

@@ -140,7 +140,8 @@ def answer_of(share: float, settings: SearchSettings = DEFAULTS) -> Fixed:
 
 def detectable_sizes(screen: Screen) -> tuple[DetectableSize, ...]:
     """The smallest size of each effect whose gain beyond what the hypothesis takes up is beyond chance's."""
-    beyond = max(screen.gain_of_chance, screen.settings.score_test.least_gain)
+    test = screen.settings.score_test
+    beyond = max(screen.chance.gain_of(test.alpha), test.least_gain)
     best: dict[tuple[str, str], DetectableSize] = {}
     for one in screen.signatures:
         candidate, amount = one.candidate, _least_amount(screen, one, beyond)

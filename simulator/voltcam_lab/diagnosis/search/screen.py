@@ -5,30 +5,24 @@ Base parameters and the light's errors are projected out.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
-from scipy.stats import norm
 
 from voltcam_simulator import Parameters
 
-from ...statistics import Values
+from ...statistics import IN_ANY_LIGHT, Values
 from ..catalogue.candidate import Candidate
 from ..rig.rig import Rig
+from .chance import Chance
 from .hypothesis import Hypothesis
 from .robust import RobustFit, robust_fit
 from .settings import SearchSettings
-from .settings_proof import ScoreTest
-from .spread import TwinSpread, flat
+from .spread import TRAINING, TwinSpread, flat
 
 LIGHT = 2  # columns of what the light may be off by
-_NORMAL = np.linspace(-12, 12, 2401)  # an error of the light in its sd
-_WEIGHTS = norm.pdf(_NORMAL) / norm.pdf(_NORMAL).sum()
-_LEAST_SCALE, _MOST_GAIN = 0.1, 1e6  # of gains: where twins have none, and more than any
-_SURE = -30.0  # deviations above which a gain is sure to be
+_IN_ANY_LIGHT = np.tile(IN_ANY_LIGHT, len(TRAINING))  # of flat training parts
+_VIEWS = 2  # of a recording: all statistics, and those of any light
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,18 +39,17 @@ class Screen:
     """Signatures of the catalogue on a hypothesis, and how the same hypothesis' twins score on them.
 
     base: (PARTS, n, k + LIGHT) columns of the hypothesis' own parameters and, last, of the light: that it is
-    late, and that its errors are larger than told. null: (m,)
-    gains where nothing is missing, each twin's largest over the catalogue. light_gain: mean of what the light
-    adds to a recording's gain.
+    late, and that its errors are larger than told. chance: of gains by all statistics. chance_in_any_light:
+    the same by those that light between frames has no part in.
     """
 
     hypothesis: Hypothesis
     spread: TwinSpread
     base: NDArray[np.float64]
     signatures: tuple[Signature, ...]
-    null: NDArray[np.float64]
     settings: SearchSettings
-    light_gain: float = ScoreTest.light_gain
+    chance: Chance
+    chance_in_any_light: Chance
 
     def own(self, z: NDArray[np.float64]) -> RobustFit:
         """The part of training deviations z that the hypothesis' own parameters and the light can take up."""
@@ -65,37 +58,41 @@ class Screen:
     def gains(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
         """(signatures,) by how much each lessens the loss of z, beyond what the hypothesis' own parameters
         can."""
-        own, both = self.own(z).gain, [self.with_effect(z, one) for one in self.signatures]
+        return self._gains(z, np.ones(len(z), np.bool_))
+
+    def gains_in_any_light(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The same of the statistics of any light alone."""
+        return self._gains(z, _IN_ANY_LIGHT)
+
+    def _gains(self, z: NDArray[np.float64], seen: NDArray[np.bool_]) -> NDArray[np.float64]:
+        z, base = z[seen], flat(self.base)[seen]
+        own, prior_sd = self._fitted(z, base, self._prior_sd).gain, self._prior_sd_with_effect
+        columns = [np.column_stack([base, flat(one.column)[seen]]) for one in self.signatures]
+        both = [self._fitted(z, each, prior_sd) for each in columns]
         return np.array([max(found.gain - own, 0.0) if found.x[-1] > 0 else 0.0 for found in both])
+
+    def p_value(self, z: NDArray[np.float64]) -> float:
+        """How often twins and light gain as much where nothing is missing, by either view of z."""
+        by_all = self.chance.p_value(float(self.gains(z).max()))
+        in_any_light = self.chance_in_any_light.p_value(float(self.gains_in_any_light(z).max()))
+        return min(_VIEWS * min(by_all, in_any_light), 1.0)  # Bonferroni's bound
 
     def with_effect(self, z: NDArray[np.float64], one: Signature) -> RobustFit:
         """Amounts of the hypothesis' own parameters, of the light and, last, of an effect that fit z best."""
         columns = np.column_stack([flat(self.base), flat(one.column)])
-        return self._fitted(z, columns, np.append(self._prior_sd, self.settings.prior.amount_sd))
+        return self._fitted(z, columns, self._prior_sd_with_effect)
 
     @property
     def _prior_sd(self) -> Values:
         """(k + LIGHT,) of `base`: what the light does is in units of its sd."""
         return np.append(self.hypothesis.prior_sd(self.settings), np.ones(LIGHT))
 
+    @property
+    def _prior_sd_with_effect(self) -> Values:
+        return np.append(self._prior_sd, self.settings.prior.amount_sd)
+
     def _fitted(self, z: Values, columns: Values, prior_sd: Values) -> RobustFit:
         return robust_fit(z, columns, prior_sd, self.settings.huber_z, self.settings.fit.reweightings)
-
-    def p_value(self, gain: float) -> float:
-        """How often, where nothing is missing, something in the catalogue gains as much of what twins scatter
-        by and what the light adds: an error of it goes either way, and its square is what it adds."""
-        scale = max(float(np.std(self.null)) * np.sqrt(6) / np.pi, _LEAST_SCALE)
-        loc = float(np.mean(self.null)) - np.euler_gamma * scale
-        light = self.light_gain * _NORMAL**2
-        beyond = np.maximum((gain - light - loc) / scale, _SURE)  # Gumbel's law: the largest of many
-        return float(_WEIGHTS @ -np.expm1(-np.exp(-beyond)))
-
-    @cached_property
-    def gain_of_chance(self) -> float:
-        """The gain whose p-value is the chance of a name where nothing is missing."""
-        alpha = self.settings.score_test.alpha
-        gain: Any = brentq(lambda gain: self.p_value(gain) - alpha, 0.0, _MOST_GAIN)
-        return float(gain)
 
 
 def screen_of(
@@ -115,17 +112,18 @@ def screen_of(
         Signature(candidate, size, change / spread.inflated_sd)
         for (candidate, size), change in zip(plan, changes, strict=True)
     )
-    told, noisier = (
-        rig.means([parameters], settings.runs.fitting, noisier=noisier)[0] for noisier in (False, True)
-    )
-    light = np.stack([delayed, noisier - told], axis=-1) / spread.inflated_sd[..., None]
+    light = np.stack([delayed, spread.light], axis=-1) / spread.inflated_sd[..., None]
     base = np.concatenate([spread.columns, light], axis=-1)
-    test = settings.score_test
+    test, none = settings.score_test, np.empty(0)
     light_gain = test.guessed_light_gain if rig.light_is_guessed else test.light_gain
-    screen = Screen(hypothesis, spread, base, signatures, np.empty(0), settings, light_gain)
-    ratio = spread.sd / spread.inflated_sd
-    null = [screen.gains(flat(z * ratio)).max() for z in spread.left_out]
-    return replace(screen, null=np.array(null))
+    chances = Chance(none, light_gain), Chance(none)
+    screen = Screen(hypothesis, spread, base, signatures, settings, *chances)
+    null = [flat(z * (spread.sd / spread.inflated_sd)) for z in spread.left_out]
+    return replace(
+        screen,
+        chance=replace(screen.chance, null=np.array([screen.gains(z).max() for z in null])),
+        chance_in_any_light=Chance(np.array([screen.gains_in_any_light(z).max() for z in null])),
+    )
 
 
 def later(parameters: Parameters, delay_us: float) -> Parameters:

@@ -23,9 +23,9 @@ class TwinSpread:
     """Twins of a hypothesis: mean and sd of each statistic, both (PARTS, n), the twins themselves, and
     (PARTS, n, k) slopes of the mean with respect to the hypothesis' `shift`.
 
-    sd: of twins and `model_variance`, the square of what a model is off by. inflated_sd: sd and a share of
-    what the effects in the model do; more effects are looked for in its units. versions: of the light, seen
-    by one twin after the other.
+    sd: of twins and `model_variance`, the square of what a model and its light are off by. inflated_sd: sd
+    and a share of what the effects in the model do; more effects are looked for in its units. versions: of
+    the light, seen by one twin after the other. light: (PARTS, n) change of the mean, see `noisier_light`.
     """
 
     mean: Values
@@ -35,6 +35,7 @@ class TwinSpread:
     twins: list[Values]
     slopes: Slopes
     versions: int
+    light: Values
 
     @property
     def columns(self) -> NDArray[np.float64]:
@@ -62,11 +63,23 @@ def spread_of(rig: Rig, hypothesis: Hypothesis, seeds: Sequence[int], settings: 
     base, effects = np.split(slopes, [len(BASE)], axis=-1)
     error = settings.model_error
     of_base = error.base_share**2 * (base**2).sum(axis=-1)
-    model_variance = (error.statistic_share * mean) ** 2 + of_base
+    light = noisier_light(rig, hypothesis, settings)
+    model_variance = (error.statistic_share * mean) ** 2 + of_base + light**2
     of_effects = error.effect_share**2 * (effects**2).sum(axis=-1)
     inflated_sd = np.sqrt(variance + model_variance + of_effects)
     sd = np.sqrt(variance + model_variance)
-    return TwinSpread(mean, sd, model_variance, inflated_sd, twins, slopes, rig.versions)
+    return TwinSpread(mean, sd, model_variance, inflated_sd, twins, slopes, rig.versions, light)
+
+
+def noisier_light(rig: Rig, hypothesis: Hypothesis, settings: SearchSettings) -> Values:
+    """(PARTS, n) change of the mean where the light's errors are `RigSettings.noisier` times what is told.
+
+    Errors of the light are known no better. Nor is how they spread over the statistics: so each may be off by
+    as much, by itself.
+    """
+    parameters, seeds = [hypothesis.parameters()], settings.runs.fitting
+    told, noisier = (rig.means(parameters, seeds, noisier=more)[0] for more in (False, True))
+    return noisier - told
 
 
 def _mean_and_variance(twins: list[Values]) -> tuple[Values, Values]:

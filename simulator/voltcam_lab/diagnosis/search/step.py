@@ -81,7 +81,7 @@ def step_of(
     left = deviation - screen.base @ screen.own(flat(deviation)).x
     rest = left * (spread.inflated_sd / spread.sd)
     scores = screen.gains(flat(deviation))
-    p_value = screen.p_value(float(scores.max()))
+    p_value = screen.p_value(flat(deviation))
     training, held_out = (mean_huber(flat(rest, parts), settings.huber_z) for parts in (TRAINING, HELD_OUT))
     test = settings.score_test
     least = test.least_gain if first is None else max(

@@ -26,7 +26,8 @@ def view(model_error: float = 0.0) -> View:
     rng = np.random.default_rng(1)
     twins = [drawn(rng) for _ in range(TWINS)]
     mean, sd = np.mean(twins, axis=0), np.broadcast_to(SD, (PARTS, N))
-    spread = TwinSpread(mean, sd, np.zeros((PARTS, N)), sd, twins, np.zeros((PARTS, N, 1)), 4)
+    none = np.zeros((PARTS, N))
+    spread = TwinSpread(mean, sd, none, sd, twins, none[..., None], 4, none)
     return View(Hypothesis(START), spread, mean, 1.0, 0.5, model_error, DEFAULTS.huber_z)
 
 

@@ -82,7 +82,7 @@ def test_errors_grow_with_the_change_and_lean_from_quarter_to_quarter() -> None:
     error = half_way(scene, settings)
     change = np.abs(np.diff(scene.taken, axis=0)).reshape(len(error), -1)
     assert not error[change == 0].any()
-    unit = 0.2 * scene.surprise_by_change * change[change > 0]
+    unit = 0.2 * scene.surprise_by_change * scene.fall * change[change > 0]
     assert np.median(np.abs(error[change > 0]) / unit) == pytest.approx(0.765, rel=0.02)
     first, third = (np.clip(half_way(scene, settings, way)[change > 0] / unit, -9, 9) for way in (0.25, 0.75))
     assert 0.1 < np.corrcoef(first, third)[0, 1] < 0.35  # 0.22 where no draw is large
@@ -93,7 +93,7 @@ def test_guessed_light_is_known_where_it_goes_straight_and_nothing_surprises_bef
     taken, t_us = frames()
     taken[9, 2, 2] += 20  # a surprise, in what stands still
     curve, none = scene_of(taken, t_us, "cubic"), np.empty(0, EVENT)
-    assert (known_light(curve, none).gaps == curve.trusted()).all()
+    assert (known_light(curve, none).gaps == curve.trusted(curve.tolerance)).all()
     images = curve.images.copy()
     images[np.searchsorted(curve.t_us, 30_000) + 1, 6, 1] += 10
     guessed = replace(curve, images=images, how="auto")

@@ -7,6 +7,7 @@ import pytest
 from scipy.stats import beta
 
 from voltcam_lab.diagnosis.catalogue.candidate import Candidate
+from voltcam_lab.diagnosis.search.chance import Chance
 from voltcam_lab.diagnosis.search.evidence import stand_ins, weighed
 from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
 from voltcam_lab.diagnosis.search.screen import LIGHT, Screen, Signature
@@ -18,7 +19,7 @@ from ..made_rig import DEAD, DEAD_TIME, MISMATCH, START
 
 NAMING = DEFAULTS.naming
 USUAL = np.random.default_rng(3).beta(4, 2.5, 20).tolist()  # two thirds of the gap, most of them
-N = 100
+N, NOBODY = 100, Chance(np.zeros(0))
 
 
 def enough(excess: float, left: float, largest: float | None = None) -> bool:
@@ -101,12 +102,12 @@ def made_screen(*columns: tuple[Candidate, np.ndarray]) -> Screen:
     zero, one = np.zeros((PARTS, N)), np.ones((PARTS, N))
     hypothesis = Hypothesis(START)
     slopes = np.zeros((PARTS, N, len(hypothesis.shift)))
-    spread = TwinSpread(zero, one, zero, one, [], slopes, 4)
+    spread = TwinSpread(zero, one, zero, one, [], slopes, 4, zero)
     signatures = tuple(
         Signature(candidate, candidate.sizes[0], np.tile(column, (PARTS, 1))) for candidate, column in columns
     )
     base = np.zeros((PARTS, N, len(hypothesis.shift) + LIGHT))
-    return Screen(hypothesis, spread, base, signatures, np.empty(0), DEFAULTS)
+    return Screen(hypothesis, spread, base, signatures, DEFAULTS, NOBODY, NOBODY)
 
 
 def test_a_stand_in_leaves_what_is_not_along_its_own_signature() -> None:

@@ -1,5 +1,7 @@
 """Twins of hypotheses with effects in them, on a rig whose answers are formulas."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
@@ -39,6 +41,25 @@ def test_chance_leaves_of_a_twin_that_is_left_out_what_it_leaves_of_a_new_one() 
     )
     assert left_out == pytest.approx(np.mean(new), rel=0.05)
     assert within < 0.92 * np.mean(new)
+
+
+class BlinkingRig(MadeRig):
+    """One whose light, if noisier, adds 3 times a pattern."""
+
+    def run(
+        self, parameters: Parameters, seeds: Sequence[int], apart: bool = False, noisier: bool = False
+    ) -> Values:
+        return super().run(parameters, seeds) + 3 * noisier * PATTERNS[8]
+
+
+def test_each_statistic_may_be_off_by_what_noisier_light_does_to_it() -> None:
+    plain, blinking = (
+        spread_of(rig, Hypothesis(START), range(8), DEFAULTS) for rig in (MadeRig(), BlinkingRig())
+    )
+    assert not plain.light.any()
+    np.testing.assert_allclose(blinking.light, 3 * PATTERNS[8], atol=1e-9)
+    np.testing.assert_allclose(blinking.sd**2, plain.sd**2 + blinking.light**2)
+    np.testing.assert_allclose(blinking.mean, plain.mean)
 
 
 def curved(parameters: Parameters) -> Values:
