@@ -44,12 +44,12 @@ def test_bars_are_as_long_as_the_gaps_and_floors_stand_beside() -> None:
 
 def test_each_group_has_a_bar_of_each_model() -> None:
     gaps = {
-        name: {letter: (k + 1.0, 0.5) for k, letter in enumerate("ABCDEFGHIJK")}
+        name: {letter: (k + 1.0, 0.5) for k, letter in enumerate("ABCDEFGHIJKL")}
         for name in ("before", "after")
     }
     (axes,) = group_gap_bars(gaps).get_axes()
-    assert [bar.get_height() for bar in axes.patches] == 2 * [k + 1.0 for k in range(11)]
-    assert len(axes.get_xticklabels()) == 11
+    assert [bar.get_height() for bar in axes.patches] == 2 * [k + 1.0 for k in range(12)]
+    assert len(axes.get_xticklabels()) == 12
 
 
 def test_every_statistic_has_a_dot_at_its_z() -> None:

@@ -91,7 +91,7 @@ def test_each_group_has_its_own_gap_of_the_held_out_part() -> None:
     data[3, in_group] += 4 * SD[in_group]
     data[:3] += 9  # training parts do not count
     gaps = gaps_by_group(MODEL, data)
-    assert list(gaps) == list("ABCDEFGHIJK")
+    assert list(gaps) == list("ABCDEFGHIJKL")
     for letter, (gap, chance) in gaps.items():
         assert gap == pytest.approx(
             mean_huber(np.array([4.0]), DEFAULTS.huber_z) if letter == "E" else 0, abs=1e-9
