@@ -18,7 +18,7 @@ data = response(START) + rig.noise(1)
 search = Search(rig, data, CATALOGUE, say=print)
 found = diagnose(search, Hypothesis(START))
 [view] = views(search, found).values()
-own = [label_in_words(LABELS[i]) for i in ranked(view, data).order() if LABELS[i].group == "L"]
+own = [label_in_words(LABELS[i]) for i in ranked(view, data).order() if LABELS[i].group == "M"]
 print(len(own), own[0])
 drawn = group_gap_bars({"model": gaps_by_group(view, data)})
 print([one.get_text() for one in drawn.axes[0].get_xticklabels()])
