@@ -16,9 +16,8 @@ Light = NDArray[np.float32]
 STEPS = (1, 2, 4)
 SAG = 0.002  # of ln L, a hundredth of a threshold: chords are no further from the curve, but where STEPS end
 SHORTEST_US = 1250  # of a chord that is out of step
-OUT_OF_STEP = (
-    1.1338  # chords for one that sags enough: of no simple ratio to the frames, whichever number these have
-)
+OUT_OF_STEP = 1.1338
+"""Chords for one that sags enough: of no simple ratio to the frames, whichever number these have."""
 NEARLY_ALL = 0.99  # of the pixels, whose chords decide
 FEWEST = 4  # frames that a cubic spline needs
 

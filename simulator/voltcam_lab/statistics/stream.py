@@ -16,11 +16,8 @@ from voltcam_simulator.kernel import kernel
 _CLASSES = np.divmod(np.arange(INTENSITIES * SLOPES, dtype=np.int32), SLOPES)  # of each stratum's index
 NONE = -1
 """Interval of an event that has no other of its pixel before it."""
-_OF_PIXELS = (
-    "ends",
-    "between",
-    "in_any_light",
-)  # of EventTable: has a place for each pixel, not a row for each event
+_OF_PIXELS = ("ends", "between", "in_any_light")
+"""Of EventTable: has a place for each pixel, not a row for each event."""
 
 
 @dataclass(frozen=True, eq=False)
