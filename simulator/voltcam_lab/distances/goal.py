@@ -25,8 +25,9 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Goal:
-    """real: events of the recording, of which `region` is looked at, and there those in `known` light, if it
-    is given. Light may go its own way between frames: what it does there must not be made up for."""
+    """real: events of the recording, of which `region` is looked at, and there those that `known` light has
+    made, if it is given. Light may go its own way between frames: what it does there must not be made up for.
+    """
 
     real: Events
     region: Region
@@ -42,7 +43,7 @@ class Goal:
         - ON and OFF events where light stands still;
         - the share of events that have their time in common with another one near them.
         """
-        simulated = self.region.of(self._in_known_light(simulated))
+        simulated = self.region.of(self._of_known_light(simulated))
         total = 0.0
         for real, other in zip(self._histograms, self._histograms_of(simulated), strict=True):
             size = max(real.sum(), 50.0)
@@ -57,15 +58,19 @@ class Goal:
 
     def moving(self, simulated: Events) -> int:
         """How many events there are where light does not stand still."""
-        events = self.region.of(self._in_known_light(simulated))
+        events = self.region.of(self._of_known_light(simulated))
         return int(events.size - in_still_light(events, self.region, self.light).size)
 
     @cached_property
     def _real(self) -> Events:
-        return self._in_known_light(self.real)
+        return self._of_known_light(self.real)
 
-    def _in_known_light(self, events: Events) -> Events:
-        return events if self.known is None else self.known.where(events)
+    def _of_known_light(self, events: Events) -> Events:
+        if self.known is None:
+            return events
+        seen = self.known.where(events)
+        settled: Events = seen.compress(self.known.settled(seen))
+        return settled
 
     @cached_property
     def _same(self) -> Intervals:

@@ -177,33 +177,40 @@ class Scene:
         """Where the light between frame k and the next is known well enough to say when an event is due.
 
         (M - 1, pixels). No surprise of more than `tolerance` of the brightness in either frame, nor next to
-        it, and neither of them black: how dark it was, the frame does not tell.
+        it, and neither of them black, nor an image between them: how dark it was, they do not tell. The same
+        goes for white.
         """
         good: NDArray[np.bool_] = self.unsure.reshape(len(self.taken), -1) < tolerance
-        good &= ~is_black(self.taken).reshape(good.shape)
-        return good[:-1] & good[1:]
+        black, white = self._at_an_end
+        return good[:-1] & good[1:] & ~black & ~white
 
     def known(self, tolerance: float = TRUSTED) -> KnownLight:
         """Where light is `trusted`."""
         return KnownLight(self.trusted(tolerance), self.taken_us, self.width)
 
     def black(self) -> KnownLight:
-        """Where one of the two frames is black, or both, and none is white: all is known there but how dark
-        it was."""
+        """Where it is black at a frame or between, and nowhere white: all is known there but how dark it
+        was."""
         black, white = self._at_an_end
         return KnownLight(black & ~white, self.taken_us, self.width)
 
     def white(self) -> KnownLight:
-        """Where one of the two frames is white, or both, and none is black."""
+        """Where it is white at a frame or between, and nowhere black."""
         black, white = self._at_an_end
         return KnownLight(white & ~black, self.taken_us, self.width)
 
-    @property
+    @cached_property
     def _at_an_end(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """(M - 1, pixels) each: whether a frame or the next is black, and white."""
+        """(M - 1, pixels) each: whether a frame, the next, or an image between them is black, and white."""
         taken = self.taken.reshape(len(self.taken), -1)
         black, white = is_black(taken), is_white(taken, self.white_dn)
-        return black[:-1] | black[1:], white[:-1] | white[1:]
+        black, white = black[:-1] | black[1:], white[:-1] | white[1:]
+        gap = np.clip(np.searchsorted(self.taken_us, self.t_us, side="right") - 1, 0, len(black) - 1)
+        most = taken.max(initial=0)  # curves rise above what frames can tell
+        for image, k in zip(self.images, gap, strict=True):
+            black[k] |= is_black(image.ravel())
+            white[k] |= is_white(np.minimum(image.ravel(), most), self.white_dn)
+        return black, white
 
     def doubt(self, pixel: NDArray[np.int32], t_us: NDArray[np.float64]) -> NDArray[np.float64]:
         """How far the light may be from what `images` have [DN], for pixels (n,) at times (n,).

@@ -3,7 +3,6 @@
 import numpy as np
 
 from voltcam_lab.diagnosis.catalogue.candidate import Candidate
-from voltcam_lab.diagnosis.search.chance import Chance
 from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
 from voltcam_lab.diagnosis.search.screen import Screen
 from voltcam_lab.diagnosis.search.settings import DEFAULTS
@@ -36,8 +35,7 @@ def step(excess: float, *trials: Trial, added: Candidate | None = None, held_out
     mean, sd = np.zeros((PARTS, N)), np.ones((PARTS, N))
     spread = TwinSpread(mean, sd, mean, sd, [], mean[..., None], 4, mean)
     hypothesis = Hypothesis(START) if added is None else Hypothesis(START).with_effect(added, added.sizes[0])
-    nobody = Chance(np.zeros(0))
-    screen = Screen(hypothesis, spread, mean[..., None], (), DEFAULTS, nobody, nobody)
+    screen = Screen(hypothesis, spread, mean[..., None], (), DEFAULTS, np.ones(N, np.bool_))
     return SearchStep(
         hypothesis, screen, rest=np.full((PARTS, N), 2.0), chance=np.zeros((PARTS, N)),
         training=FLOOR + excess, held_out=FLOOR + held_out, floor_training=FLOOR, floor_held_out=FLOOR,

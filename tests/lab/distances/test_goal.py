@@ -80,3 +80,19 @@ def test_events_in_light_that_is_not_known_do_not_count(goal: Goal) -> None:
     some = Goal(goal.real, goal.region, goal.light, known)
     there = (goal.real["t"] >= frames_us[8]) & (goal.real["t"] < frames_us[10])
     assert some.score(goal.real[~there]) == 0 < goal.score(goal.real[~there])
+
+
+def test_an_event_that_light_before_may_have_made_does_not_count(goal: Goal) -> None:
+    """Up to .5 s nothing is known, and each pixel has one event in the .45 s behind. Without it, or with
+    another, the score is the recording's; a second one tells."""
+    frames_us = np.linspace(0, END_US, 21).astype(np.int64)
+    known = KnownLight.everywhere(frames_us, SIDE, SIDE)
+    known.gaps[:10] = False
+    first = np.zeros(SIDE * SIDE, EVENT)
+    first["y"], first["x"] = np.divmod(np.arange(SIDE * SIDE), SIDE)
+    first["t"] = 500_000 + 700 * np.arange(SIDE * SIDE)
+    some = Goal(first, goal.region, goal.light, known)
+    other, twice = first.copy(), np.repeat(first, 2)
+    other["p"] = True
+    twice["t"][1::2] += 300
+    assert some.score(first[:0]) == some.score(other) == 0 < some.score(twice)

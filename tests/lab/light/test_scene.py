@@ -68,6 +68,24 @@ def test_how_bright_white_is_frames_do_not_tell(brightest: int, trusted: bool) -
     assert found[:, 2, 4].all()
 
 
+@pytest.mark.parametrize(("between", "at_an_end"), [(0.0, "black"), (1.0, ""), (254.0, ""), (255.0, "white")])
+def test_light_that_was_at_an_end_of_the_scale_between_two_frames_is_not_known(
+    between: float, at_an_end: str
+) -> None:
+    """A dark bar, or a bright one, went by: no frame shows it at that pixel. It does at another one."""
+    taken, taken_us = np.full((5, 3, 4), 100.0, np.float32), PERIOD_US * np.arange(5)
+    taken[:, 2, 3] = 255
+    images, t_us = np.repeat(taken, 2, axis=0)[:-1], PERIOD_US // 2 * np.arange(9)
+    images[5, 1, 1] = between
+    images[5, 0, 0] = 256.5  # a curve may go beyond white
+    found = Scene(taken, taken_us, images, t_us, "auto")
+    for name, gaps in (("black", found.black().gaps), ("white", found.white().gaps)):
+        assert gaps[2, 5] == (name == at_an_end)
+        assert gaps[[0, 1, 3], 5].sum() == 0
+    assert found.white().gaps[2, 0]
+    assert (found.trusted()[:, 5] == (np.arange(4) != 2) | (at_an_end == "")).all()
+
+
 def test_doubt_is_largest_half_way_and_nothing_at_a_frame() -> None:
     images = ramp().astype(float)
     images[3, 1, 2] += 8

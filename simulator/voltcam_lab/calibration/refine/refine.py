@@ -78,7 +78,7 @@ def refine(
     coordinate for stay as they are in `start`. same_light: the scene stays as it is, for a camera that will
     see others. longest: pixels times images of light that are simulated, the busiest stretch of more.
     """
-    known = scene.known(KNOWN) if same_light else None
+    known = _as_late(scene, start).known(KNOWN) if same_light else None
     search = _search(events, scene, light, fitting, start, seed, report, longest, known)
     point = point_of(start)
     before = search.unseen(point)
@@ -113,10 +113,10 @@ def with_ends(
     Arguments as of `refine`. All else that pixels do is as it was, so nothing makes up for it.
     """
     white = {"input_response": {"white_level_dn": scene.white_dn}}
-    point, camera = point_of(start), start.changed(white)
+    point, camera, late = point_of(start), start.changed(white), _as_late(scene, start)
     for name, sizes, known in (
-        ("pedestal_dn", PEDESTALS_DN, scene.black()),
-        ("highlight", HIGHLIGHTS, scene.white()),
+        ("pedestal_dn", PEDESTALS_DN, late.black()),
+        ("highlight", HIGHLIGHTS, late.white()),
     ):
         if known.gaps.mean() >= LEAST_END:
             report(f"refine: {name}")
@@ -154,6 +154,11 @@ def with_spread_and_slack(
         report(f"refine: {name}")
         point = search.traded(point, name, sizes[name])
     return start if point == first else parameters_at(point, start)
+
+
+def _as_late(scene: Scene, parameters: Parameters) -> Scene:
+    """The scene as late as events are: light that made an event is that of when it was due."""
+    return scene.later(parameters.latency.delay_us)
 
 
 def _search(

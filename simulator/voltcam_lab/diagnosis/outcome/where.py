@@ -10,7 +10,7 @@ from ...statistics import COUNTS, FLOORS, LABELS, PARTS, Label, Values
 from ..search.hypothesis import Hypothesis
 from ..search.loop import Diagnosis
 from ..search.robust import mean_huber
-from ..search.spread import HELD_OUT, TwinSpread, flat
+from ..search.spread import HELD_OUT, TwinSpread
 from ..search.state import Search
 from ..search.step import SearchStep
 from .sizes import Z_90
@@ -74,7 +74,7 @@ def _view(search: Search, step: SearchStep) -> View:
 def fitted_mean(step: SearchStep, data: Values) -> Values:
     """(PARTS, n) what the model of a step gives on average, its own parameters moved to fit best."""
     screen = step.screen
-    own = screen.own(flat((data - screen.spread.mean) / screen.spread.inflated_sd))
+    own = screen.own(screen.flat((data - screen.spread.mean) / screen.spread.inflated_sd))
     moved: Values = screen.spread.mean + screen.spread.inflated_sd * (screen.base @ own.x)
     return moved
 

@@ -15,7 +15,7 @@ from .hypothesis import BASE, Hypothesis
 from .precise import precise
 from .screen import Screen, Signature, screen_of
 from .settings import DEFAULTS, SearchSettings
-from .spread import flat, spread_of
+from .spread import spread_of
 
 Fixed = Literal["yes", "in part", "no"]
 """Whether a recording fixes a parameter."""
@@ -160,7 +160,7 @@ def _least_amount(screen: Screen, one: Signature, beyond: float) -> float | None
     """Of a signature, in units of the size it was made with, by bisection."""
 
     def gain(amount: float) -> float:
-        z = amount * flat(one.column)
+        z = amount * screen.flat(one.column)
         return screen.with_effect(z, one).gain - screen.own(z).gain
 
     low, high = np.log(screen.settings.reporting.amounts)

@@ -22,7 +22,7 @@ from .proof import (
 )
 from .spread import flat
 from .state import Search
-from .step import SearchStep, base_fitted, step_of
+from .step import SearchStep, base_fitted, in_any_light, step_of, tried_in_any_light
 from .trial import Trial
 from .unlisted import ResidualTerm, residual_of, residual_step
 
@@ -92,6 +92,9 @@ def diagnose(search: Search, hypothesis: Hypothesis) -> Diagnosis:
             found.append(one)
             steps.append(after)
         step = steps[-1]
+    if not found and open_step is None and (seen := _by_any_light(search, step)):
+        found.append(seen[0])
+        steps.append(step := seen[1])
     if len(found) > 1:
         _drop_needless(search, found, steps)
         step = steps[-1]
@@ -150,6 +153,23 @@ def _explained(
         return None
     one = Found(trial, step, rivals_of(settings, step, trial), rest[-1][0].evidence)
     return [(one, after), *rest]
+
+
+def _by_any_light(search: Search, step: SearchStep) -> tuple[Found, SearchStep] | None:
+    """The effect that explains what statistics of any light show, with the step after it; None where there is
+    too little evidence for one, or all statistics have more left than light leaves."""
+    seen = tried_in_any_light(search, step)
+    trial = best_to_add(search.settings, seen)
+    if trial is None:
+        return None
+    search.say(f"Trying {trial.candidate.effect} by what is seen in any light.")
+    after = step_of(search, trial.hypothesis, _left(search.candidates, trial.hypothesis), step)
+    search.say(_sentence(after))
+    found = evidence(seen, in_any_light(search, after), 1, seen)
+    search.say(_weighed(found))
+    if not found.enough(search.settings.naming) or more_than_light(after, step, None, search.settings):
+        return None
+    return Found(trial, step, rivals_of(search.settings, seen, trial), found), after
 
 
 def _weighed(found: Evidence) -> str:

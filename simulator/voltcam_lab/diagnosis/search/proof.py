@@ -3,7 +3,7 @@
 import numpy as np
 
 from .settings import SearchSettings
-from .spread import TRAINING, flat
+from .spread import TRAINING
 from .step import SearchStep
 from .trial import Trial
 
@@ -60,16 +60,17 @@ def rivals_of(settings: SearchSettings, step: SearchStep, best: Trial) -> tuple[
 def fits_better(settings: SearchSettings, step: SearchStep, trial: Trial, added: Trial) -> bool:
     """Whether a trial at a step leaves less of a gap than the last of what was added from there, by more
     than chance lets one tell; both as fitted by simulation."""
-    gained = flat(trial.mean).size * (added.training - trial.training)
+    gained = _training_size(step) * (added.training - trial.training)
     return gained > _tied(settings, step, trial, added)
 
 
 def _tied(settings: SearchSettings, step: SearchStep, one: Trial, other: Trial) -> float:
     """Training loss by which two trials must differ to be told apart."""
-    distance = float(np.linalg.norm(flat((one.mean - other.mean) / step.screen.spread.inflated_sd)))
+    screen = step.screen
+    distance = float(np.linalg.norm(screen.flat((one.mean - other.mean) / screen.spread.inflated_sd)))
     return settings.proof.tied + settings.proof.tied_per_distance * distance
 
 
 def _training_size(step: SearchStep) -> int:
-    """Number of statistics in the training parts."""
-    return len(TRAINING) * int(step.screen.spread.mean.shape[1])
+    """Number of statistics in the training parts that are seen."""
+    return len(TRAINING) * int(np.count_nonzero(step.screen.seen))

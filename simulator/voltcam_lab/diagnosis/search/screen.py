@@ -5,6 +5,7 @@ Base parameters and the light's errors are projected out.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +22,7 @@ from .settings import SearchSettings
 from .spread import TRAINING, TwinSpread, flat
 
 LIGHT = 2  # columns of what the light may be off by
-_IN_ANY_LIGHT = np.tile(IN_ANY_LIGHT, len(TRAINING))  # of flat training parts
-_VIEWS = 2  # of a recording: all statistics, and those of any light
+VIEWS = 2  # of a recording: all statistics, and those of any light
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,8 +39,8 @@ class Screen:
     """Signatures of the catalogue on a hypothesis, and how the same hypothesis' twins score on them.
 
     base: (PARTS, n, k + LIGHT) columns of the hypothesis' own parameters and, last, of the light: that it is
-    late, and that its errors are larger than told. chance: of gains by all statistics. chance_in_any_light:
-    the same by those that light between frames has no part in.
+    late, and that its errors are larger than told. seen: (n,) the statistics that are looked at: all, or
+    those that light between frames has no part in. light_gain: as of `Chance`.
     """
 
     hypothesis: Hypothesis
@@ -48,38 +48,43 @@ class Screen:
     base: NDArray[np.float64]
     signatures: tuple[Signature, ...]
     settings: SearchSettings
-    chance: Chance
-    chance_in_any_light: Chance
+    seen: NDArray[np.bool_]
+    light_gain: float = 0.0
+
+    @cached_property
+    def in_any_light(self) -> "Screen":
+        """The same by the statistics of any light alone."""
+        return replace(self, seen=IN_ANY_LIGHT, light_gain=0.0)
+
+    @cached_property
+    def chance(self) -> Chance:
+        """Of gains where nothing is missing: of each twin, left out of the others."""
+        shrunk = self.spread.sd / self.spread.inflated_sd
+        null = [self.gains(self.flat(z * shrunk)).max() for z in self.spread.left_out]
+        return Chance(np.array(null), self.light_gain)
+
+    def flat(self, values: NDArray[np.float64], parts: Sequence[int] = TRAINING) -> NDArray[np.float64]:
+        """(PARTS, n, ...) as (parts seen, ...): a part's statistics that are seen."""
+        return flat(values[:, self.seen], parts)
 
     def own(self, z: NDArray[np.float64]) -> RobustFit:
-        """The part of training deviations z that the hypothesis' own parameters and the light can take up."""
-        return self._fitted(z, flat(self.base), self._prior_sd)
+        """The part of training deviations z, `flat`, that the hypothesis' own parameters and the light can
+        take up."""
+        return self._fitted(z, self.flat(self.base), self._prior_sd)
 
     def gains(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
         """(signatures,) by how much each lessens the loss of z, beyond what the hypothesis' own parameters
         can."""
-        return self._gains(z, np.ones(len(z), np.bool_))
-
-    def gains_in_any_light(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The same of the statistics of any light alone."""
-        return self._gains(z, _IN_ANY_LIGHT)
-
-    def _gains(self, z: NDArray[np.float64], seen: NDArray[np.bool_]) -> NDArray[np.float64]:
-        z, base = z[seen], flat(self.base)[seen]
-        own, prior_sd = self._fitted(z, base, self._prior_sd).gain, self._prior_sd_with_effect
-        columns = [np.column_stack([base, flat(one.column)[seen]]) for one in self.signatures]
-        both = [self._fitted(z, each, prior_sd) for each in columns]
+        own, both = self.own(z).gain, [self.with_effect(z, one) for one in self.signatures]
         return np.array([max(found.gain - own, 0.0) if found.x[-1] > 0 else 0.0 for found in both])
 
     def p_value(self, z: NDArray[np.float64]) -> float:
-        """How often twins and light gain as much where nothing is missing, by either view of z."""
-        by_all = self.chance.p_value(float(self.gains(z).max()))
-        in_any_light = self.chance_in_any_light.p_value(float(self.gains_in_any_light(z).max()))
-        return min(_VIEWS * min(by_all, in_any_light), 1.0)  # Bonferroni's bound
+        """How often twins and light gain as much where nothing is missing; this being one of VIEWS."""
+        return min(VIEWS * self.chance.p_value(float(self.gains(z).max())), 1.0)  # Bonferroni's bound
 
     def with_effect(self, z: NDArray[np.float64], one: Signature) -> RobustFit:
         """Amounts of the hypothesis' own parameters, of the light and, last, of an effect that fit z best."""
-        columns = np.column_stack([flat(self.base), flat(one.column)])
+        columns = np.column_stack([self.flat(self.base), self.flat(one.column)])
         return self._fitted(z, columns, self._prior_sd_with_effect)
 
     @property
@@ -114,16 +119,9 @@ def screen_of(
     )
     light = np.stack([delayed, spread.light], axis=-1) / spread.inflated_sd[..., None]
     base = np.concatenate([spread.columns, light], axis=-1)
-    test, none = settings.score_test, np.empty(0)
+    test = settings.score_test
     light_gain = test.guessed_light_gain if rig.light_is_guessed else test.light_gain
-    chances = Chance(none, light_gain), Chance(none)
-    screen = Screen(hypothesis, spread, base, signatures, settings, *chances)
-    null = [flat(z * (spread.sd / spread.inflated_sd)) for z in spread.left_out]
-    return replace(
-        screen,
-        chance=replace(screen.chance, null=np.array([screen.gains(z).max() for z in null])),
-        chance_in_any_light=Chance(np.array([screen.gains_in_any_light(z).max() for z in null])),
-    )
+    return Screen(hypothesis, spread, base, signatures, settings, np.ones_like(IN_ANY_LIGHT), light_gain)
 
 
 def later(parameters: Parameters, delay_us: float) -> Parameters:

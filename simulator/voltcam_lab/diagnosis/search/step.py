@@ -11,8 +11,8 @@ from ..catalogue.candidate import Candidate
 from .fit import fitted_by_simulation
 from .hypothesis import BASE, Hypothesis
 from .robust import huber, mean_huber
-from .screen import Screen, screen_of
-from .spread import HELD_OUT, TRAINING, flat, spread_of
+from .screen import VIEWS, Screen, screen_of
+from .spread import HELD_OUT, TRAINING, spread_of
 from .state import Search
 from .trial import Trial, TrialBench
 
@@ -21,8 +21,9 @@ from .trial import Trial, TrialBench
 class SearchStep:
     """Where the search is: gaps of the hypothesis in training and held-out parts, what chance alone would
     leave (floors), the scores of the score test, the least training loss that counts, and the trials, best
-    first: none where scores are within chance or next to nothing. rest: (PARTS, n) deviations that base
-    parameters do not take up, in units of the sd; chance: (PARTS, n) the mean loss of twins."""
+    first: none where scores are within chance or next to nothing. All of these are by the statistics that the
+    screen sees. rest: (PARTS, n) deviations that base parameters do not take up, in units of the sd; chance:
+    (PARTS, n) the mean loss of twins. p_value: by all views of the recording up to this one."""
 
     hypothesis: Hypothesis
     screen: Screen
@@ -73,31 +74,66 @@ def step_of(
 ) -> SearchStep:
     """Look at the gap of a fitted hypothesis. candidates: in place of all. first: the step before there was
     any effect in it."""
-    settings, data = search.settings, search.data
+    settings = search.settings
     candidates = search.candidates if candidates is None else candidates
     spread = spread_of(search.rig, hypothesis, settings.runs.twins, settings)
     screen = screen_of(search.rig, hypothesis, spread, candidates, settings)
-    deviation = (data - spread.mean) / spread.inflated_sd
-    left = deviation - screen.base @ screen.own(flat(deviation)).x
-    rest = left * (spread.inflated_sd / spread.sd)
-    scores = screen.gains(flat(deviation))
-    p_value = screen.p_value(flat(deviation))
-    training, held_out = (mean_huber(flat(rest, parts), settings.huber_z) for parts in (TRAINING, HELD_OUT))
+    step = _untried(search, screen)
+    step = replace(step, p_value=min(step.p_value, _untried(search, screen.in_any_light).p_value))
     test = settings.score_test
-    least = test.least_gain if first is None else max(
-        test.least_gain, test.least_gain_share * flat(rest).size * (first.training - training)
-    )  # fmt: skip
-    limit = (test.alpha, test.tried_share * least) if first is None else (test.next_alpha, least)
-    chosen: list[list[int]] = []
-    if p_value <= limit[0] and scores.max() > limit[1]:
-        chosen = _chosen(search, screen, candidates, scores, training)
+    if first is None:
+        return _tried(search, step, candidates, test.alpha, test.tried_share * step.least)
+    least = test.least_gain_share * screen.flat(step.rest).size * (first.training - step.training)
+    step = replace(step, least=max(step.least, least))
+    return _tried(search, step, candidates, test.next_alpha, step.least)
+
+
+def in_any_light(search: Search, step: SearchStep) -> SearchStep:
+    """The same look by the statistics of any light alone, without trials."""
+    return _untried(search, step.screen.in_any_light)
+
+
+def tried_in_any_light(search: Search, step: SearchStep) -> SearchStep:
+    """The same, where no effect is in the hypothesis yet, with trials.
+
+    Light has no part in these statistics, so what is more than chance in them is worth a trial.
+    """
+    test, other = search.settings.score_test, in_any_light(search, step)
+    return _tried(search, other, search.candidates, test.alpha, test.tried_share * other.least)
+
+
+def _untried(search: Search, screen: Screen) -> SearchStep:
+    """The gap of a hypothesis, and what might be in it, by the statistics that a screen sees."""
+    settings, spread, data = search.settings, screen.spread, search.data
+    deviation = (data - spread.mean) / spread.inflated_sd
+    z = screen.flat(deviation)
+    rest = (deviation - screen.base @ screen.own(z).x) * (spread.inflated_sd / spread.sd)
     chance = np.mean([huber(z, settings.huber_z) for z in spread.left_out], axis=0)
-    floor_training, floor_held_out = (float(flat(chance, parts).mean()) for parts in (TRAINING, HELD_OUT))
-    bench = TrialBench(search, screen, left, floor_training + settings.trials.at_chance)
+    parts = TRAINING, HELD_OUT
+    training, held_out = (mean_huber(screen.flat(rest, part), settings.huber_z) for part in parts)
+    floor_training, floor_held_out = (float(screen.flat(chance, part).mean()) for part in parts)
+    least = settings.score_test.least_gain
+    if not screen.seen.all():
+        least = screen.chance.gain_of(settings.score_test.alpha / VIEWS)
     return SearchStep(
-        hypothesis, screen, rest, chance, training, held_out, floor_training, floor_held_out,
-        scores, p_value, least, _trials(bench, chosen, scores),
+        screen.hypothesis, screen, rest, chance, training, held_out, floor_training, floor_held_out,
+        screen.gains(z), screen.p_value(z), least, trials=(),
     )  # fmt: skip
+
+
+def _tried(
+    search: Search, step: SearchStep, candidates: Sequence[Candidate], alpha: float, least_score: float
+) -> SearchStep:
+    """The step with its trials, if a score has so small a p-value, and is as large."""
+    if step.p_value > alpha or step.scores.max() <= least_score:
+        return step
+    spread = step.screen.spread
+    bench = TrialBench(
+        search, step.screen, step.rest * (spread.sd / spread.inflated_sd),
+        step.floor_training + search.settings.trials.at_chance,
+    )  # fmt: skip
+    chosen = _chosen(search, step.screen, candidates, step.scores, step.training)
+    return replace(step, trials=_trials(bench, chosen, step.scores))
 
 
 def _trials(
@@ -161,7 +197,7 @@ def _nearest_from_file(search: Search, screen: Screen, training: float) -> list[
         settings.runs.signatures,
     )
     left = np.array(
-        [mean_huber(flat((search.data - mean) / screen.spread.sd), settings.huber_z) for mean in means]
+        [mean_huber(screen.flat((search.data - mean) / screen.spread.sd), settings.huber_z) for mean in means]
     )
     return _best(screen, np.maximum(training - left, 0))[: settings.trials.most_from_file]
 
@@ -172,5 +208,5 @@ def _best_on_file(search: Search, hypothesis: Hypothesis, candidates: Sequence[C
     start, settings = hypothesis.with_base_of_file(), search.settings
     spread = spread_of(search.rig, start, settings.runs.rough_twins, settings)
     screen = screen_of(search.rig, start, spread, candidates, settings)
-    scores = screen.gains(flat((search.data - spread.mean) / spread.inflated_sd))
+    scores = screen.gains(screen.flat((search.data - spread.mean) / spread.inflated_sd))
     return _best(screen, scores)[: settings.trials.most_from_file]

@@ -19,7 +19,8 @@ from .state import Search
 @dataclass(frozen=True, eq=False)
 class Trial:
     """An effect fitted to the data: the statistics it gives on average, the gaps it leaves in training and
-    held-out parts, and by how much it lessens them (gained, confirmed), less what its own scatter costs.
+    held-out parts, and by how much it lessens them (gained, confirmed), less what its own scatter costs; all
+    by the statistics that the screen sees.
 
     score: its gain in the score test."""
 
@@ -55,7 +56,7 @@ class TrialBench:
             self.screen.signatures[index], self.screen.spread.inflated_sd, self.screen.hypothesis
         )  # fmt: skip
         trials, huber_z = self.search.settings.trials, self.search.settings.huber_z
-        z = flat((self.search.data - self.screen.spread.mean) / sd)
+        z = self.screen.flat((self.search.data - self.screen.spread.mean) / sd)
         amounts = self.screen.with_effect(z, one).x
         size = one.candidate.scaled(one.size, float(np.clip(amounts[-1], *trials.amount_limits)))
         move = np.clip(amounts[: -LIGHT - 1], -trials.base_limit, trials.base_limit)
@@ -75,8 +76,8 @@ class TrialBench:
     def _followed(self, one: Signature, z: NDArray[np.float64], amount: float) -> Hypothesis:
         """The hypothesis with so much of a signature, its own parameters where they leave the least loss
         then."""
-        longest = self.search.settings.fit.longest_step
-        move = np.clip(self.screen.own(z - amount * flat(one.column)).x[:-LIGHT], -longest, longest)
+        longest, column = self.search.settings.fit.longest_step, self.screen.flat(one.column)
+        move = np.clip(self.screen.own(z - amount * column).x[:-LIGHT], -longest, longest)
         moved = self.screen.hypothesis.moved(move)
         return moved.with_effect(one.candidate, one.candidate.scaled(one.size, amount))
 
@@ -101,19 +102,20 @@ class TrialBench:
         rough = search.rig.runs([hypothesis.parameters()], search.settings.runs.rough_twins)[0]
         scatter = rough.std(axis=0, ddof=1)
         wide = np.where(scatter > trials.scatter * sd, scatter, sd)
-        if np.mean(wide > sd) > trials.scattered_share:
+        if np.mean((wide > sd)[:, self.screen.seen]) > trials.scattered_share:
             slopes = None if rounds else self._slopes(hypothesis)
             hypothesis, mean = fitted_by_simulation(search, hypothesis, wide, rounds, slopes)
         after, wider = self._without_light(search.data - mean, wide), np.log(wide / sd)
         gained, confirmed = (
-            mean_huber(flat(self.rest, parts), huber_z)
-            - mean_huber(flat(after / wide, parts), huber_z)
-            - float(flat(wider, parts).mean())
+            mean_huber(self.screen.flat(self.rest, parts), huber_z)
+            - mean_huber(self.screen.flat(after / wide, parts), huber_z)
+            - float(self.screen.flat(wider, parts).mean())
             for parts in (TRAINING, HELD_OUT)
         )
         not_inflated = np.where(scatter > trials.scatter * sd, scatter, spread.sd)
         training, held_out = (
-            mean_huber(flat(after / not_inflated, parts), huber_z) for parts in (TRAINING, HELD_OUT)
+            mean_huber(self.screen.flat(after / not_inflated, parts), huber_z)
+            for parts in (TRAINING, HELD_OUT)
         )
         return Trial(candidate, hypothesis, mean, score, training, held_out, gained, confirmed)
 
@@ -159,7 +161,7 @@ class TrialBench:
         """That which leaves the least gap as it is."""
         search = self.search
         means = search.rig.means([start.parameters() for start in starts], search.settings.runs.fitting)
-        z = [flat((search.data - mean) / self.screen.spread.inflated_sd) for mean in means]
+        z = [self.screen.flat((search.data - mean) / self.screen.spread.inflated_sd) for mean in means]
         return starts[int(np.argmin([mean_huber(one, search.settings.huber_z) for one in z]))]
 
     def _start(self, trial: Trial) -> Hypothesis:

@@ -17,6 +17,7 @@ from voltcam_lab.calibration.refine.refine import Refined, refine
 from voltcam_lab.calibration.refine.replay import Replay
 from voltcam_lab.distances import Yardstick
 from voltcam_lab.distances.goal import Goal
+from voltcam_lab.light.scene import scene_of
 from voltcam_lab.models.model import MODELS, simulate
 
 
@@ -89,3 +90,18 @@ def test_a_replay_gives_the_events_of_its_region_only(recording: Recording) -> N
     assert recording.fitting.pixels[some["y"], some["x"]].all()
     one, other = recording.fitting.of(some), recording.fitting.of(everything)
     assert one.size == pytest.approx(other.size, rel=0.02)
+
+
+def test_events_are_of_the_light_of_when_they_were_due(recording: Recording) -> None:
+    """Every other 60 ms frames show noise, and events come 3 ms late: 5 % of the time they are of what nobody
+    knows, and far more or fewer than the known light makes. The gain is found all the same."""
+    rng, frames = np.random.default_rng(2), recording.scene.taken.copy()
+    noisy = np.arange(len(frames)) // 6 % 2 == 1
+    frames[noisy] = rng.integers(20, 235, frames[noisy].shape)
+    scene = scene_of(frames, recording.scene.taken_us, "cubic")
+    late = START.changed({"latency": {"delay_us": LATE_US}})
+    found = refine(
+        recording.events, scene, recording.light, recording.fitting, late, 1, same_light=True
+    ).parameters
+    change = response(point_of(found), np.array([40.0, 160.0]))[1]
+    assert change == pytest.approx(BASE.k1 * np.log((160 + BASE.k2) / (40 + BASE.k2)), rel=0.12)

@@ -7,8 +7,7 @@ import pytest
 from scipy.stats import beta
 
 from voltcam_lab.diagnosis.catalogue.candidate import Candidate
-from voltcam_lab.diagnosis.search.chance import Chance
-from voltcam_lab.diagnosis.search.evidence import stand_ins, weighed
+from voltcam_lab.diagnosis.search.evidence import of_what_follows, stand_ins, weighed
 from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
 from voltcam_lab.diagnosis.search.screen import LIGHT, Screen, Signature
 from voltcam_lab.diagnosis.search.settings import DEFAULTS
@@ -19,7 +18,7 @@ from ..made_rig import DEAD, DEAD_TIME, MISMATCH, START
 
 NAMING = DEFAULTS.naming
 USUAL = np.random.default_rng(3).beta(4, 2.5, 20).tolist()  # two thirds of the gap, most of them
-N, NOBODY = 100, Chance(np.zeros(0))
+N = 100
 
 
 def enough(excess: float, left: float, largest: float | None = None) -> bool:
@@ -60,6 +59,19 @@ def test_what_has_no_name_is_given_one_as_seldom_as_was_asked() -> None:
     left = np.random.default_rng(4).beta(4, 2.5, 4000)
     named = np.mean([enough(2.0, 2.0 * share) for share in left])
     assert named <= NAMING.wrong + 3 * np.sqrt(NAMING.wrong / 4000)
+
+
+@pytest.mark.parametrize("p_value", [1e-40, 1e-4, 0.02, 0.3])
+def test_what_the_score_test_still_finds_lowers_the_odds_by_the_likeliest_law_of_it(p_value: float) -> None:
+    """Against p = 1 the density of xi p^(xi - 1), where it is largest."""
+    xi = np.geomspace(1e-4, 1, 100_000)
+    likeliest = float((np.log(xi) + (xi - 1) * np.log(p_value)).max())
+    assert of_what_follows(p_value) == pytest.approx(-likeliest, abs=1e-5)
+
+
+def test_what_the_score_test_does_not_find_leaves_the_odds() -> None:
+    assert of_what_follows(0.37) == of_what_follows(1.0) == 0
+    assert -700 < of_what_follows(0.0) < of_what_follows(1e-20) < -40
 
 
 def test_the_law_of_stand_ins_is_that_of_those_seen_where_there_are_many() -> None:
@@ -107,7 +119,7 @@ def made_screen(*columns: tuple[Candidate, np.ndarray]) -> Screen:
         Signature(candidate, candidate.sizes[0], np.tile(column, (PARTS, 1))) for candidate, column in columns
     )
     base = np.zeros((PARTS, N, len(hypothesis.shift) + LIGHT))
-    return Screen(hypothesis, spread, base, signatures, DEFAULTS, NOBODY, NOBODY)
+    return Screen(hypothesis, spread, base, signatures, DEFAULTS, np.ones(N, np.bool_))
 
 
 def test_a_stand_in_leaves_what_is_not_along_its_own_signature() -> None:

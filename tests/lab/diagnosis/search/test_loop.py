@@ -7,7 +7,7 @@ from voltcam_lab.diagnosis.catalogue.candidate import Candidate
 from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
 from voltcam_lab.diagnosis.search.loop import Diagnosis, diagnose
 from voltcam_lab.diagnosis.search.state import Search
-from voltcam_lab.statistics import Values
+from voltcam_lab.statistics import IN_ANY_LIGHT, Values
 from voltcam_simulator import Parameters
 
 from ..made_rig import CATALOGUE, DEAD, DEAD_TIME, MISMATCH, PATTERNS, START, MadeRig, response
@@ -52,6 +52,24 @@ def test_an_effect_that_explains_all_is_named_though_three_that_explain_a_part_s
     assert DEAD_TIME not in [one.candidate for _, one in best[:3]]
     assert found.steps[0].trials[0].candidate is DEAD_TIME
     assert [each.effect for each in found.found] == ["refractory_period"]
+
+
+@pytest.mark.parametrize(("shows_in", "verdict"), [("any light", "effects"), ("known light", "none")])
+def test_an_effect_that_few_statistics_show_is_named_if_light_has_no_part_in_these(
+    shows_in: str, verdict: str
+) -> None:
+    """Among all statistics it is little, and something that nobody knows is more."""
+    few = IN_ANY_LIGHT if shows_in == "any light" else np.roll(IN_ANY_LIGHT, -IN_ANY_LIGHT.sum())
+
+    def silent(parameters: Parameters) -> Values:
+        seen = PATTERNS[8] * np.where(few, 100 * parameters.dead_pixels.fraction, 0)
+        return response(DEAD.on(parameters, (0.0,))) + seen
+
+    rig = MadeRig(silent)
+    data = silent(DEAD.on(BASE, (0.02,))) + 0.5 * PATTERNS[10] * ~few + rig.noise(4711)
+    found = diagnose(Search(rig, data, CATALOGUE), Hypothesis(START))
+    assert found.verdict == verdict
+    assert [one.effect for one in found.found] == (["dead_pixels"] if verdict == "effects" else [])
 
 
 def test_two_effects_are_both_named() -> None:

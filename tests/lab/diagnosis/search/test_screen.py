@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from voltcam_lab.diagnosis.rig.rig import Rig
-from voltcam_lab.diagnosis.search.chance import Chance
 from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
 from voltcam_lab.diagnosis.search.robust import mean_huber
 from voltcam_lab.diagnosis.search.screen import Screen, Signature, screen_of
@@ -18,8 +17,6 @@ from voltcam_simulator import Parameters
 
 from ..made_rig import DEAD_TIME, MISMATCH, START
 
-NOBODY = Chance(np.zeros(28))
-
 
 def test_a_delay_that_light_may_stand_for_is_no_effects_gain() -> None:
     """One effect does what a delay does, one something else. Of a delay of two sd all but its prior's cost,
@@ -30,7 +27,7 @@ def test_a_delay_that_light_may_stand_for_is_no_effects_gain() -> None:
     spread = TwinSpread(one, one, one, one, [], np.zeros((4, 300, 6)), 4, 0 * one)
     base = np.concatenate([np.zeros((4, 300, 6)), np.stack([delay, noise], axis=-1)], axis=-1)
     signatures = (Signature(DEAD_TIME, size, 10 * delay), Signature(MISMATCH, size, other))
-    screen = Screen(Hypothesis(Parameters()), spread, base, signatures, DEFAULTS, NOBODY, NOBODY)
+    screen = Screen(Hypothesis(Parameters()), spread, base, signatures, DEFAULTS, np.ones(300, np.bool_))
     assert screen.gains(flat(2 * delay)).max() < 2.1
     assert screen.gains(flat(20 * delay))[0] > 100
     assert screen.gains(flat(2 * delay + noise)).max() < 2.1
@@ -63,15 +60,23 @@ def test_what_statistics_of_any_light_show_is_not_held_against_what_light_may_ad
     where light is guessed. Each has 60 of loss."""
     n, size = len(IN_ANY_LIGHT), DEAD_TIME.sizes[0]
     one, none = np.ones((4, n)), np.zeros((4, n))
-    spread = TwinSpread(none, one, none, one, [], np.zeros((4, n, 6)), 4, none)
+    twins = list(np.random.default_rng(6).standard_normal((28, 4, n)))
+    spread = TwinSpread(none, one, none, one, twins, np.zeros((4, n, 6)), 4, none)
     known, dead = np.where(IN_ANY_LIGHT, 0, one), np.where(IN_ANY_LIGHT, one, 0)
     columns = [5 * each / np.linalg.norm(each) for each in (known, dead)]
     signatures = Signature(DEAD_TIME, size, columns[0]), Signature(MISMATCH, size, columns[1])
-    chance = Chance(np.ones(28), light_gain=10.0)
-    seen = Screen(Hypothesis(START), spread, np.zeros((4, n, 8)), signatures, DEFAULTS, chance, NOBODY)
-    by_light, by_itself = (10 * flat(column) / np.linalg.norm(flat(column)) for column in columns)
-    assert seen.gains(by_light).argmax() == 0
-    assert seen.gains_in_any_light(by_light).max() < 1e-9
-    assert seen.gains(by_itself).max() == pytest.approx(seen.gains(by_light).max(), rel=0.3)
-    assert seen.p_value(by_light) > 0.01 > 1e-9 > seen.p_value(by_itself)
-    assert seen.p_value(0 * by_light) > 0.8
+    every = np.ones(n, np.bool_)
+    seen = Screen(
+        Hypothesis(START), spread, np.zeros((4, n, 8)), signatures, DEFAULTS, every, light_gain=10.0
+    )
+    by_light, by_itself = (10 * column / np.linalg.norm(flat(column)) for column in columns)
+    in_any_light = seen.in_any_light
+    assert seen.gains(seen.flat(by_light)).argmax() == 0
+    assert in_any_light.gains(in_any_light.flat(by_light)).max() < 1e-9
+    assert seen.gains(seen.flat(by_itself)).max() == pytest.approx(
+        seen.gains(seen.flat(by_light)).max(), rel=0.3
+    )
+    for what in (by_light, by_itself):
+        assert seen.p_value(seen.flat(what)) > 0.01
+    assert in_any_light.p_value(in_any_light.flat(by_itself)) < 1e-7
+    assert in_any_light.p_value(in_any_light.flat(by_light)) > 0.5

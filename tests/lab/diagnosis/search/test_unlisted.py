@@ -7,7 +7,6 @@ import pytest
 
 from voltcam_lab.diagnosis.catalogue.candidate import Candidate
 from voltcam_lab.diagnosis.search import unlisted
-from voltcam_lab.diagnosis.search.chance import Chance
 from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
 from voltcam_lab.diagnosis.search.screen import Screen, Signature
 from voltcam_lab.diagnosis.search.settings import DEFAULTS
@@ -57,7 +56,7 @@ def test_slopes_over_the_image_have_next_to_no_drift_in_the_middle(axis: str) ->
         assert abs(drift.per_us) < 0.2 * abs(drift.per_us * getattr(drift, axis))
 
 
-NONE, NOBODY = np.zeros((4, 1)), Chance(np.zeros(0))
+NONE, ALL = np.zeros((4, 1)), np.ones(1, np.bool_)
 
 
 def trial(form: Candidate, size: float) -> Trial:
@@ -97,7 +96,7 @@ def test_forms_that_do_as_well_are_named_each_once_and_the_best_one_not() -> Non
     tied = DEFAULTS.proof.tied
     scores = np.full(len(signatures), 100.0)
     spread = TwinSpread(NONE, NONE, NONE, NONE, [], NONE[..., None], 4, NONE)
-    screen = Screen(Hypothesis(start), spread, NONE[..., None], signatures, DEFAULTS, NOBODY, NOBODY)
+    screen = Screen(Hypothesis(start), spread, NONE[..., None], signatures, DEFAULTS, ALL)
     step = SearchStep(Hypothesis(start), screen, NONE, NONE, 1, 1, 0, 0, scores, 0.0, 30.0, ())
     names = unlisted.tied_forms(DEFAULTS, step, trial(best, best.sizes[0][0]))
     assert len(names) == len(set(names)) == len(others)
