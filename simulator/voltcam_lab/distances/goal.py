@@ -41,9 +41,10 @@ class Goal:
           differences of the roots of the counts, so rates count too, and of the cumulated shares;
         - 4 x 4-block counts in 50 ms, roots again;
         - ON and OFF events where light stands still;
-        - the share of events that have their time in common with another one near them.
+        - the share of events that have their time in common with another one near them, in any light: stamps
+          alone tell it.
         """
-        simulated = self.region.of(self._of_known_light(simulated))
+        everything, simulated = simulated, self.region.of(self._of_known_light(simulated))
         total = 0.0
         for real, other in zip(self._histograms, self._histograms_of(simulated), strict=True):
             size = max(real.sum(), 50.0)
@@ -53,7 +54,7 @@ class Goal:
         total += 4 * float(np.mean(blocks**2)) if blocks.size else 0.0
         for real_rest, rest in zip(self._resting, self._resting_of(simulated), strict=True):
             total += REST * float((np.sqrt(rest) - np.sqrt(real_rest)) ** 2) / max(real_rest, 50.0)
-        apart = np.sqrt(_shared(simulated, self.region)) - np.sqrt(self._shared)
+        apart = np.sqrt(_shared(everything, self.region)) - np.sqrt(self._shared)
         return total + SHARED * float(apart**2)
 
     def moving(self, simulated: Events) -> int:
@@ -111,7 +112,7 @@ class Goal:
 
     @cached_property
     def _shared(self) -> float:
-        return _shared(self._real, self.region)
+        return _shared(self.real, self.region)
 
 
 def _histogram(decades: Vector) -> Vector:
