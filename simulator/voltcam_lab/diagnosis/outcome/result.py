@@ -29,7 +29,7 @@ class FoundEffect(_Record):
     gap_floor: float = Field(description="what chance alone would leave")
     p_value: float = Field(description="of as large a gain from anything in the catalogue, without an effect")
     odds: float = Field(
-        description="how much likelier so little is left of the gap if it is there than if it stood in for "
+        description="how much likelier what is left of the gap is if it is there than if it stood in for "
         "something without a name; of effects that are needed together, for all of them"
     )
     stand_ins: float = Field(description="share of stand-ins that would leave as little")

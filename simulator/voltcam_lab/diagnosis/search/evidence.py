@@ -29,8 +29,9 @@ _MIDDLES = (np.arange(200) + 0.5) / 200  # quantiles over which light's part is 
 
 @dataclass(frozen=True)
 class Evidence:
-    """log_odds: natural logarithm of how much likelier so little is left if the effects are there than if
-    they stand in. wrong: how often stand-ins leave as little."""
+    """log_odds: natural logarithm of how much likelier what is left is if the effects are there than if they
+    stand in: that it is so little, and how much the score test finds in it. wrong: how often stand-ins leave
+    as little."""
 
     log_odds: float
     wrong: float

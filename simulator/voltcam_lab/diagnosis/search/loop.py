@@ -174,7 +174,7 @@ def _by_any_light(search: Search, step: SearchStep) -> tuple[Found, SearchStep] 
 
 def _weighed(found: Evidence) -> str:
     return (
-        f"So little is left {np.exp(np.clip(found.log_odds, -9, 9)):.2g} times as likely if it is there as if"
+        f"What is left is {np.exp(np.clip(found.log_odds, -9, 9)):.2g} times as likely if it is there as if"
         f" it stood in for something without a name; {found.wrong:.1%} of such leave as little."
     )
 

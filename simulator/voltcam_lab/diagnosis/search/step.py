@@ -22,8 +22,8 @@ class SearchStep:
     """Where the search is: gaps of the hypothesis in training and held-out parts, what chance alone would
     leave (floors), the scores of the score test, the least training loss that counts, and the trials, best
     first: none where scores are within chance or next to nothing. All of these are by the statistics that the
-    screen sees. rest: (PARTS, n) deviations that base parameters do not take up, in units of the sd; chance:
-    (PARTS, n) the mean loss of twins. p_value: by all views of the recording up to this one."""
+    screen sees; the p-value of one that sees all is that of both views. rest: (PARTS, n) deviations that base
+    parameters do not take up, in units of the sd; chance: (PARTS, n) the mean loss of twins."""
 
     hypothesis: Hypothesis
     screen: Screen
