@@ -93,8 +93,8 @@ def test_a_replay_gives_the_events_of_its_region_only(recording: Recording) -> N
 
 
 def test_events_are_of_the_light_of_when_they_were_due(recording: Recording) -> None:
-    """Every other 60 ms frames show noise, and events come 3 ms late: 5 % of the time they are of what nobody
-    knows, and far more or fewer than the known light makes. The gain is found all the same."""
+    """In every other 60 ms frames show noise that no pixel saw, and events come 3 ms late. So in the first
+    3 ms of known light they are of light that nobody knows. The gain is found all the same."""
     rng, frames = np.random.default_rng(2), recording.scene.taken.copy()
     noisy = np.arange(len(frames)) // 6 % 2 == 1
     frames[noisy] = rng.integers(20, 235, frames[noisy].shape)
