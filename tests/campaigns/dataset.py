@@ -2,9 +2,10 @@
 
 It fails when the single conversions together take less than LEAST_SHARE of the set's time on the processor,
 which other programs do not change; when a worker's memory grows by more than GROWTH_MB in the last quarter,
-or a process's by as much while it makes SINGLE items for the second time; when a set that was killed twice and resumed, or one from a Dask cluster of which a worker is killed, is not
-the same to the bit; or when h5py in a fresh process, and tonic where TONIC names a Python that has it, read
-other events than the manifest says.
+or a process's by as much while it makes SINGLE items for the second time; when a set that was killed twice
+and resumed, or one from a Dask cluster of which a worker is killed, is not the same to the bit; or when h5py
+in a fresh process, and tonic where TONIC names a Python that has it, read other events than the manifest
+says.
 """
 
 import argparse

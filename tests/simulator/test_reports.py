@@ -24,7 +24,12 @@ REPORTS: dict[str, dict[str, st.SearchStrategy[float]]] = {
     "residual_coupling": KICKS,
     "crosstalk": {"coupling": st.sampled_from([0.01, 0.25])},
     "latency": {"delay_us": st.sampled_from([0, 100, 50_000]), "jitter_us": st.sampled_from([0, 10, 5000])},
-    "readout": {"row_us": st.sampled_from([0, 0.3, 200]), "event_us": st.sampled_from([0, 0.083, 100])},
+    "readout": {
+        "row_us": st.sampled_from([0, 0.3, 200]),
+        "event_us": st.sampled_from([0, 0.083, 100]),
+        "start_us": st.sampled_from([0, 1.3, 1000]),
+    },
+    "row_request": {"wait_us": st.sampled_from([0.3, 5, 3000])},
     "arbiter_scan": {
         "round_us": st.sampled_from([0.3, 250, 50_000]),
         "rows_together": st.sampled_from([1, 4]),

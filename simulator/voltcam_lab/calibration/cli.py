@@ -91,7 +91,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 STEPS = {"exact": 23, "paper": 2}  # and some for each kick of the frames, where there is one
-REFINING = 20
+REFINING = 21
 BAR = "{desc:<20} {percentage:3.0f}% |{bar}| {elapsed}"
 
 

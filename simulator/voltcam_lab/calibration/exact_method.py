@@ -17,7 +17,7 @@ from .estimates import Estimate
 from .lateness import as_late_as, clocks_apart_us
 from .part import SIMULATED, Cut, shortened
 from .reading import Reading
-from .refine.refine import Refined, known_share, refine, with_ends, with_spread_and_slack
+from .refine.refine import Refined, known_share, refine, settled, with_ends, with_spread_and_slack
 from .scatter import as_scattered
 
 MOSTLY_KNOWN = 0.5  # of the events: by fewer, parameters would make up for light that is not known
@@ -53,7 +53,7 @@ class ExactMethod:
         if base and refining:
             pixels = base.changed(pixels.model_dump(exclude_defaults=True))
         parameters, said = self._with_camera(pixels)
-        refined, likeliest = None, parameters
+        refined, likeliest, worth = None, parameters, False
         moved: tuple[tuple[str, float, float], ...] = ()
         share = known_share(self.reading.events, self.reading.scene) if refining else 0.0
         if share >= MOSTLY_KNOWN:
@@ -67,7 +67,7 @@ class ExactMethod:
                 "where light between frames is known: record slower motion, or at a higher frame rate"
             )
         if refining:
-            parameters = self._beside_light(parameters)
+            parameters = self._beside_light(parameters, settling=worth)
         if _moved(likeliest, parameters):  # what frames do is fitted to the pixels as they are now
             frames = {"aps_coupling": pixels.aps_coupling.model_dump()}
             parameters, said = self._with_camera(parameters.changed(frames))
@@ -108,10 +108,15 @@ class ExactMethod:
             self.report, same_light=True, longest=SIMULATED,
         )  # fmt: skip
 
-    def _beside_light(self, start: Parameters) -> Parameters:
-        """What the frames' black and white stand for, and what of spread and noise is the light's."""
+    def _beside_light(self, start: Parameters, settling: bool) -> Parameters:
+        """What the frames' black and white stand for, and what of spread and noise is the light's. settling:
+        all else is found anew with these."""
         noise_dn = self.inspection.subject.light.noise_dn
-        for found in (with_ends, partial(with_spread_and_slack, noise_dn=noise_dn)):
+        steps: list[Callable[..., Parameters]] = [
+            with_ends,
+            partial(with_spread_and_slack, noise_dn=noise_dn),
+        ]
+        for found in [*steps, settled] if settling else steps:
             start = found(
                 self.reading.events, self.reading.scene, self._light, self._region(start), start,
                 seed=self.seed, report=self.report, longest=SIMULATED,

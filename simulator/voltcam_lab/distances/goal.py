@@ -35,9 +35,14 @@ class Goal:
     known: KnownLight | None = None
 
     def score(self, simulated: Events) -> float:
-        """0 for the recording itself. What it adds up:
+        """The sum of the squared `residuals`; 0 for the recording itself."""
+        residuals = self.residuals(simulated)
+        return float(residuals @ residuals)
 
-        - intervals of a polarity by thirds of brightness and of change, and of any two polarities: squared
+    def residuals(self, simulated: Events) -> Vector:
+        """(R,), as many for any simulation; 0 for the recording itself. What they are of:
+
+        - intervals of a polarity by thirds of brightness and of change, and of any two polarities:
           differences of the roots of the counts, so rates count too, and of the cumulated shares;
         - 4 x 4-block counts in 50 ms, roots again;
         - ON and OFF events where light stands still;
@@ -45,17 +50,17 @@ class Goal:
           alone tell it.
         """
         everything, simulated = simulated, self.region.of(self._of_known_light(simulated))
-        total = 0.0
+        found = []
         for real, other in zip(self._histograms, self._histograms_of(simulated), strict=True):
             size = max(real.sum(), 50.0)
-            total += 4 * float(np.sum((_root(other) - _root(real)) ** 2)) / size
-            total += float(np.sum((np.cumsum(other / max(other.sum(), 1)) - np.cumsum(real / size)) ** 2))
+            found.append(2 * (_root(other) - _root(real)) / np.sqrt(size))
+            found.append(np.cumsum(other / max(other.sum(), 1)) - np.cumsum(real / size))
         blocks = _root(count_images(simulated, self.region)[self._cells]) - self._blocks
-        total += 4 * float(np.mean(blocks**2)) if blocks.size else 0.0
-        for real_rest, rest in zip(self._resting, self._resting_of(simulated), strict=True):
-            total += REST * float((np.sqrt(rest) - np.sqrt(real_rest)) ** 2) / max(real_rest, 50.0)
+        found.append(2 * blocks.ravel() / np.sqrt(max(blocks.size, 1)))
+        rest, real_rest = (np.array(two, float) for two in (self._resting_of(simulated), self._resting))
+        found.append(np.sqrt(REST / np.maximum(real_rest, 50.0)) * (np.sqrt(rest) - np.sqrt(real_rest)))
         apart = np.sqrt(_shared(everything, self.region)) - np.sqrt(self._shared)
-        return total + SHARED * float(apart**2)
+        return np.concatenate([*found, [np.sqrt(SHARED) * apart]])
 
     def moving(self, simulated: Events) -> int:
         """How many events there are where light does not stand still."""

@@ -16,6 +16,7 @@ from voltcam_simulator.effect import Events
 from voltcam_simulator.effects.readout import Arbiter
 
 from .arbiter_order import arbiter_of
+from .bus_waits import BusWaits, find_waits
 
 Along = Literal["rows", "columns"]
 STRETCH_US = 100
@@ -27,7 +28,8 @@ FEWEST_STRETCHES = 10
 @dataclass(frozen=True)
 class Bus:
     """Times of a row (or column), of an event, and in which a token passes a row [us]; what is read at a
-    time, in which order; stretches: how many told of them."""
+    time, in which order; stretches: how many told of them. waits: of the bus and of a row, where it reads
+    rows."""
 
     row_us: float
     event_us: float
@@ -35,6 +37,7 @@ class Bus:
     along: Along
     arbiter: Arbiter
     stretches: int
+    waits: BusWaits
 
 
 def find_bus(events: Events, height: int, width: int) -> Bus | None:
@@ -53,7 +56,8 @@ def find_bus(events: Events, height: int, width: int) -> Bus | None:
     spans = [int(part["t"][-1] - part["t"][0]) for part in stretches]
     times, _ = nnls(np.array(columns, np.float64).T, np.array(spans, np.float64))
     row_us, event_us, pass_us = [*times.tolist(), 0.0][:3]
-    return Bus(row_us, event_us, pass_us, along, arbiter, len(stretches))
+    waits = find_waits(events, height, row_us, event_us) if along == "rows" else BusWaits()
+    return Bus(row_us, event_us, pass_us, along, arbiter, len(stretches), waits)
 
 
 def busy_stretches(events: Events) -> list[Events]:

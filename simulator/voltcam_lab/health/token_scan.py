@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import binary_closing, binary_opening
 
 from voltcam_simulator.effect import Events
@@ -51,22 +52,39 @@ class TokenScan:
         )
 
 
+@dataclass(frozen=True, eq=False)
+class Windows:
+    """Of WINDOW_US each: edges_us (N + 1,), counts of events (N,), coherence at the best frequency (N,), that
+    frequency [Hz] (N,)."""
+
+    edges_us: NDArray[np.int64]
+    counts: NDArray[np.int64]
+    coherence: NDArray[np.float64]
+    frequency_hz: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, events: Events, height: int) -> "Windows":
+        """The first MOST_WINDOWS of a stream that is not empty."""
+        t_us = np.ascontiguousarray(events["t"], np.int64)
+        first, last = int(t_us[0]) // WINDOW_US, int(t_us[-1]) // WINDOW_US
+        edges_us = WINDOW_US * np.arange(first, min(max(last, first + 1), first + MOST_WINDOWS) + 1)
+        edges = np.searchsorted(t_us, edges_us)
+        frequencies = np.arange(1e6 / ROUNDS_US[1], 1e6 / ROUNDS_US[0], STEP_HZ)
+        coherence, best = coherences(t_us, np.ascontiguousarray(events["y"]), edges, frequencies, height)
+        return cls(edges_us, np.diff(edges), coherence, frequencies[best])
+
+
 def find_token_scan(events: Events, height: int) -> TokenScan | None:
     """None where too few windows have enough events, or rows do not take turns."""
     if len(events) < FEWEST:
         return None
-    t_us = np.ascontiguousarray(events["t"], np.int64)
-    first, last = int(t_us[0]) // WINDOW_US, int(t_us[-1]) // WINDOW_US
-    edges_us = WINDOW_US * np.arange(first, min(max(last, first + 1), first + MOST_WINDOWS) + 1)
-    edges = np.searchsorted(t_us, edges_us)
-    frequencies = np.arange(1e6 / ROUNDS_US[1], 1e6 / ROUNDS_US[0], STEP_HZ)
-    coherence, best = coherences(t_us, np.ascontiguousarray(events["y"]), edges, frequencies, height)
-    counts = np.diff(edges)
+    windows = Windows.of(events, height)
+    t_us, edges_us, counts = np.ascontiguousarray(events["t"], np.int64), windows.edges_us, windows.counts
     judged = counts >= FEWEST
-    going = binary_opening(judged & (coherence > COHERENT), np.ones(SHORTEST))
+    going = binary_opening(judged & (windows.coherence > COHERENT), np.ones(SHORTEST))
     if np.count_nonzero(going) < FEWEST_WINDOWS:
         return None
-    round_us = float(1e6 / np.median(frequencies[best[going]]))
+    round_us = float(1e6 / np.median(windows.frequency_hz[going]))
     share = float(going.sum() / judged.sum())
     going = np.logical_or(going, binary_closing(going, np.ones(SHORTEST)))
     changes = np.diff(going.astype(np.int8), prepend=0, append=0)

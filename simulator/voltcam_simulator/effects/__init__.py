@@ -30,6 +30,7 @@ from .residual_coupling import ResidualCoupling
 from .residual_drift import ResidualDrift
 from .residual_kick import ResidualKick
 from .residual_noise import ResidualNoise
+from .row_request import RowRequest
 from .temperature_drift import TemperatureDrift
 from .threshold_mismatch import ThresholdMismatch
 from .timestamp_quantum import TimestampQuantum
@@ -67,6 +68,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     ResidualCoupling,
     Crosstalk,
     Latency,
+    RowRequest,
     ArbiterScan,
     Readout,
     UsbOverflow,

@@ -9,6 +9,7 @@ from ..arbiters import ARBITERS, FIRST, TOKEN, change_to, join, next_in_tree, no
 from ..effect import About, Effect, EventInterval, Events, Sensor, State, quantity
 from ..event_order import copied
 from ..kernel import kernel
+from ..random import events_key, uniform
 
 Arbiter = Literal["first", "fair", "greedy", "token"]
 _FIT = "fit to the fullest 100 us of slider_depth (DAVIS240C): row_us 0.28, event_us 0.11"
@@ -18,6 +19,7 @@ class Readout(Effect):
     """One bus for all rows. A row asks for it when its first event comes; when it is granted, all events that
     wait in the row leave together, with the time of the grant, by rising x; then the bus is busy for
     row_us + event_us for each of them. With `along: columns` it is columns that ask, by rising y.
+    A bus that was idle grants later by start_us, exponential: others that ask meanwhile follow at once.
 
     Who is granted next (`arbiter`):
     - first: who has asked first.
@@ -41,8 +43,12 @@ class Readout(Effect):
         0.0, unit="us", ge=0, le=1000, meaning="bus time for each granted row", source=_FIT
     )
     event_us: float = quantity(
-        0.0, unit="us", ge=0, le=1000, meaning="bus time for each event; 0 for all three times is off",
+        0.0, unit="us", ge=0, le=1000, meaning="bus time for each event; 0 for all of the times is off",
         source=f"1/12: DAVIS346 data sheet, 12 million events/s; {_FIT}",
+    )  # fmt: skip
+    start_us: float = quantity(
+        0.0, unit="us", ge=0, le=1000, meaning="mean time in which a bus that was idle begins to grant",
+        source="1.3: slider_depth (DAVIS240C), of all milliseconds without a token and without a burst",
     )  # fmt: skip
     along: Literal["rows", "columns"] = Field(
         "rows",
@@ -66,7 +72,8 @@ class Readout(Effect):
     @property
     def active(self) -> bool:
         has_token = self.arbiter == "token" or (self.crowd > 0 and self.crowded_arbiter == "token")
-        return self.row_us > 0 or self.event_us > 0 or (self.pass_us > 0 and has_token)
+        times_us = (self.row_us, self.event_us, self.start_us)
+        return max(times_us) > 0 or (self.pass_us > 0 and has_token)
 
     def state(self, sensor: Sensor) -> State:
         bits = max(sensor.height * (sensor.width // 8 + 1), sensor.width * (sensor.height // 8 + 1))
@@ -76,6 +83,7 @@ class Readout(Effect):
             "waiting": np.zeros(sensor.height * sensor.width, np.uint16),  # of each row: 2 x + polarity
             "made_for": np.full(2, -1, np.int64),  # along, arbiter
             "busy_us": np.zeros(1),  # how long the bus stays busy after the interval
+            "draws": np.array([events_key(sensor.seed, self.name, 0)], np.uint64),
         }
 
     def report(self, events: Events, readout: EventInterval) -> Events:
@@ -88,9 +96,9 @@ class Readout(Effect):
         out = np.empty(len(events) + int(bus["counts"].sum()), events.dtype)
         written = serve(
             events, by_column, readout.start_us, readout.span_us, members, self.row_us, self.event_us,
-            self.pass_us, kind, ARBITERS.index(self.crowded_arbiter), crowd,
+            self.start_us, self.pass_us, kind, ARBITERS.index(self.crowded_arbiter), crowd,
             bus["held"], bus["waiting"], bus["counts"][:groups], bus["ring"][:groups], bus["tree"],
-            bus["turn"], bus["place"], bus["busy_us"], out,
+            bus["turn"], bus["place"], bus["busy_us"], bus["draws"], out,
         )  # fmt: skip
         return out if written == len(out) else copied(out[:written])
 
@@ -115,8 +123,8 @@ def _make_for(bus: State, height: int, width: int, by_column: bool, kind: int) -
 @kernel
 def serve(
     events: Any, by_column: Any, start: Any, span: Any, members: Any, row_us: Any, event_us: Any,
-    pass_us: Any, usual: Any, crowded: Any, crowd: Any, held: Any, waiting: Any, counts: Any, ring: Any,
-    tree: Any, turn: Any, place: Any, busy_us: Any, out: Any,
+    start_us: Any, pass_us: Any, usual: Any, crowded: Any, crowd: Any, held: Any, waiting: Any, counts: Any,
+    ring: Any, tree: Any, turn: Any, place: Any, busy_us: Any, draws: Any, out: Any,
 ) -> Any:  # fmt: skip
     """Serve what can be granted within the interval; the rest waits in the state. Returns events in out.
 
@@ -127,7 +135,12 @@ def serve(
     head, asking, last, kind = place[0], place[1], place[2], place[3]
     stride = (members >> 3) + 1
     while asking > 0 or come < n:
-        grant = busy if asking > 0 else max(busy, np.float64(events[come].t - start))
+        if asking == 0 and events[come].t - start > busy:
+            busy = np.float64(events[come].t - start)
+            if start_us > 0:
+                draws[0], u = uniform(draws[0])
+                busy -= start_us * np.log(u)
+        grant = busy
         stamp = start + np.int64(grant)
         alone = asking == 0 and kind == FIRST and crowd > 1 and (come + 1 == n or events[come + 1].t > stamp)
         if alone and grant < span:  # as most are: the same as below, in a third of the time

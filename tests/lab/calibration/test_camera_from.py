@@ -161,8 +161,15 @@ def test_what_behaves_more_alike_is_taken_if_it_is_worth_it(
     def refined(_: object, scene: object, *__: object, **___: object) -> Refined:
         return Refined(better, scene, "as it was", (), (), 1.0, after)  # type: ignore[arg-type]
 
+    def settled(*given: object, **_: object) -> Parameters:
+        asked.append(start := next(one for one in given if isinstance(one, Parameters)))
+        return start
+
+    asked: list[Parameters] = []
     monkeypatch.setattr(exact_method, "refine", refined)
+    monkeypatch.setattr(exact_method, "settled", settled)
     found = camera_from(well())
+    assert bool(asked) == taken
     moved = {name: (before, now) for name, before, now in found.moved}
     assert bool(moved) == taken
     if taken:
@@ -196,6 +203,7 @@ def test_what_the_ends_of_the_scale_stand_for_stays_whether_the_rest_is_moved_or
 
     monkeypatch.setattr(exact_method, "refine", refined)
     monkeypatch.setattr(exact_method, "with_ends", black)
+    monkeypatch.setattr(exact_method, "settled", lambda *given, **_: given[4])
     found = camera_from(well())
     assert begun[0].contrast_response.k1 == (7.0 if after == 0.5 else 6.123456)
     assert found.camera.parameters.input_response.pedestal_dn == 5.0
@@ -212,6 +220,7 @@ def test_nothing_is_moved_by_light_that_is_mostly_unknown(
 
     monkeypatch.setattr(exact_method, "refine", refined)
     monkeypatch.setattr(exact_method, "known_share", lambda *_: share)
+    monkeypatch.setattr(exact_method, "settled", lambda *given, **_: given[4])
     found = camera_from(well())
     assert found.camera.parameters.contrast_response.k1 == (7.0 if moved else 6.123456)
     assert (found.refined is not None) == moved

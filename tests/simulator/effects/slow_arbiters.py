@@ -1,7 +1,7 @@
 """Slow twins of the arbiters, by definition, and of the bus, which serves one list of events."""
 
-from collections.abc import Callable
-from math import ceil, log2
+from collections.abc import Callable, Iterator
+from math import ceil, log, log2
 
 import numpy as np
 
@@ -83,8 +83,9 @@ MAKE: dict[str, Callable[[int], FirstCome | FairTree | TokenRing]] = {
 def served(
     events: Events, height: int, width: int, *, row_us: float, event_us: float, along: str = "rows",
     arbiter: str = "first", pass_us: float = 0, crowd: int = 0, crowded_arbiter: str = "token",
+    start_us: float = 0, uniforms: Iterator[float] | None = None,
 ) -> Events:  # fmt: skip
-    """The events as they leave the bus, all of them, with nothing left waiting."""
+    """The events as they leave the bus, all of them, with nothing left waiting. uniforms: one a start."""
     columns = along == "columns"
     usual, other = (MAKE[name](width if columns else height) for name in (arbiter, crowded_arbiter))
     if isinstance(usual, FairTree) and isinstance(other, FairTree):
@@ -94,7 +95,11 @@ def served(
     asking: Asking = {}
     out, free_us = [], 0.0
     while asking or come < len(events):
-        now = free_us if asking else max(free_us, float(events["t"][come]))
+        if not asking and events["t"][come] > free_us:
+            free_us = float(events["t"][come])
+            if start_us and uniforms is not None:
+                free_us -= start_us * log(next(uniforms))
+        now = free_us
         while come < len(events) and events["t"][come] <= np.floor(now):
             x, y = int(events["x"][come]), int(events["y"][come])
             group, member = (x, y) if columns else (y, x)

@@ -73,8 +73,9 @@ ALL_BEHIND_IT = {
     "residual_coupling": {"after_on": 0.1, "after_off": 0.1, "delay_us": 700},
     "crosstalk": {"coupling": 0.1},
     "latency": {"delay_us": -5000, "jitter_us": 100},
+    "row_request": {"wait_us": 40},
     "arbiter_scan": {"round_us": 252, "busy_per_us": 0.01, "burst_per_us": 0.05},
-    "readout": {"row_us": 0.3, "event_us": 0.083},
+    "readout": {"row_us": 0.3, "event_us": 0.083, "start_us": 2},
     "usb_overflow": {"max_rate_events_per_s": 1e4, "buffer_events": 50},
     "timestamp_quantum": {"quantum_us": 7},
 }

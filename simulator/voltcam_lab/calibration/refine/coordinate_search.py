@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
+from scipy.optimize import least_squares
 
 from voltcam_simulator import Parameters
 
@@ -20,8 +20,10 @@ from .replay import Replay
 
 BETTER = 0.998  # of the score, for what is new to stay
 SHARPENING = (0.15, 0.3, 0.45)
-SIMPLEX = (0.3, -0.15)  # sides of the first simplex, and of that where the search begins anew
-POLISHING, POLISHING_RUNS = 5e7, (50, 150)  # events that are simulated on each simplex, in so many runs
+POLISHING = 8  # steps of all coordinates at once, at most; two or three are usual
+WIDE = 0.08  # of a logarithm, to either side: over that slopes are taken
+STAYING = 0.03  # residual of a factor of e: a coordinate that changes nothing stays where it is
+FAR = 1e3  # residual of what is no camera
 HALVINGS = 6  # of a factor of 2: to 1 %
 BENDS = ((1.0, 1.0), (0.6, 2.5), (0.6, 5.0))  # factors of gamma, and of the knee
 
@@ -55,7 +57,6 @@ class CoordinateSearch:
 
     def __post_init__(self) -> None:
         self.replay = Replay.of(self.scene, self.region)
-        self.event_count = len(self.region.of(self.seen.real))
 
     def score(self, point: Point) -> float:
         """What steps are judged by; inf where there is no such camera."""
@@ -65,6 +66,10 @@ class CoordinateSearch:
             return self.seen.score(self._events(point))
         except ValueError:
             return math.inf
+
+    def residuals(self, point: Point) -> NDArray[np.float64]:
+        """What `score` is the squares of. Raises ValueError where there is no such camera."""
+        return self.seen.residuals(self._events(point))
 
     def unseen(self, point: Point) -> float:
         """What decides whether something new stays."""
@@ -110,6 +115,13 @@ class CoordinateSearch:
         """The point with this coordinate near one of the sizes, if that is closer; all else stays."""
         first = min((point | {name: size} for size in sizes), key=self.score)
         return self._closer(self.moved(first, (name,), 0.2, 6)[0], point)
+
+    def settled(self, point: dict[str, float]) -> dict[str, float]:
+        """The point polished once more where what black and white stand for, spread and slack are found: they
+        stay as they are."""
+        offered = (name for name, _ in OFFERED if name != "threshold_spread")
+        names = tuple(name for name in (*CORE, *offered) if point[name] > 0)
+        return self._closer(self.polished(point, names), point)
 
     def traded(self, point: dict[str, float], name: str, sizes: Sequence[float]) -> dict[str, float]:
         """The point with this coordinate at one of the sizes, if that is closer.
@@ -203,21 +215,24 @@ class CoordinateSearch:
         return changed
 
     def polished(self, point: dict[str, float], names: tuple[str, ...]) -> dict[str, float]:
-        """All at once, by the simplex of Nelder and Mead (1965) on logarithms, begun anew at what it found.
-        Coordinates that make up for one another stop steps one by one, and noise misleads slopes."""
+        """All at once, by least squares on logarithms: coordinates that make up for one another stop steps
+        one by one. Slopes are over wide steps, since noise misleads narrow ones."""
         self.report("refine: all")
-        runs = int(np.clip(POLISHING / max(self.event_count, 1), *POLISHING_RUNS))
-        for side in SIMPLEX:
-            start = np.array([math.log(point[name]) for name in names])
-            corners = start + np.vstack([np.zeros(len(names)), side * np.eye(len(names))])
-            found = minimize(
-                lambda log, near=point: self.score(self._at(near, names, log)),
-                start,
-                method="Nelder-Mead",
-                options={"initial_simplex": corners, "maxfev": runs, "adaptive": True},
-            )
-            point = self._at(point, names, found.x)
-        return point
+        origin = np.array([math.log(point[name]) for name in names])
+        first = self.residuals(point)
+
+        def residuals(moved: NDArray[np.float64]) -> NDArray[np.float64]:
+            there = self._at(point, names, origin + moved - 1)
+            try:
+                found = self.residuals(there) if there["knee_dn"] <= WHITE_DN else first + FAR
+            except ValueError:  # no such camera
+                found = first + FAR
+            return np.concatenate([found, STAYING * (moved - 1)])
+
+        found = least_squares(
+            residuals, np.ones(len(names)), "3-point", diff_step=WIDE, ftol=1 - BETTER, max_nfev=POLISHING
+        )
+        return self._at(point, names, origin + found.x - 1)
 
     def _at(
         self, point: dict[str, float], names: tuple[str, ...], log: NDArray[np.float64]

@@ -2,7 +2,7 @@
 
 The light itself (how sharp, how a grey level stands for light), why events are late, noise out of the
 blue: each changes what a simulation gives out, so it is tried, with the same random numbers each time
-(Gourieroux, Monfort, Renault 1993; Hooke and Jeeves 1961; Nelder and Mead 1965). Steps are judged on one part
+(Gourieroux, Monfort, Renault 1993; Hooke and Jeeves 1961; Gauss and Newton). Steps are judged on one part
 of the pixels; a mechanism, or other light, stays only if the other part, which saw no steps, comes closer.
 Where the light stays as it is, only events in light that is known count: else parameters would make up for
 the light between frames of this recording, and be wrong in any other. There a grey level is light, as a
@@ -154,6 +154,23 @@ def with_spread_and_slack(
         report(f"refine: {name}")
         point = search.traded(point, name, sizes[name])
     return start if point == first else parameters_at(point, start)
+
+
+def settled(
+    events: NDArray[np.void],
+    scene: Scene,
+    light: FrameLight,
+    fitting: Region,
+    start: Parameters,
+    seed: int = 0,
+    report: Callable[[str], None] = lambda step: None,
+    longest: float = LONGEST,
+) -> Parameters:
+    """`start` where all is found, polished once more on light that is known. Arguments as of `refine`."""
+    known = _as_late(scene, start).known(KNOWN)
+    search = _search(events, scene, light, fitting, start, seed, report, longest, known)
+    point = search.settled(point_of(start))
+    return start if point == point_of(start) else parameters_at(point, start)
 
 
 def _as_late(scene: Scene, parameters: Parameters) -> Scene:

@@ -45,7 +45,9 @@ class MadeSearch(CoordinateSearch):
         self.start, self.scene, self.said = START, SCENE, list[str]()
         self.report = self.said.append
         self._seen, self._unseen = seen, unseen or seen
-        self.event_count = 1
+
+    def residuals(self, point: Point) -> NDArray[np.float64]:
+        return np.sqrt([self._seen(point)])
 
     def score(self, point: Point) -> float:
         return self._seen(point)
@@ -80,11 +82,15 @@ def test_what_makes_up_for_one_another_is_moved_together() -> None:
     """A valley along which three coordinates change by a factor of 2.7: one by one they get nowhere."""
     names = ("gain", "on_over_off", "period_us")
 
-    def valley(point: Point) -> float:
-        u, v, w = (math.log(point[name] / PLAIN[name]) for name in names)
-        return 1 + 100 * (u - v) ** 2 + 100 * (v - w) ** 2 + (u + v + w - 3) ** 2
+    class Valley(MadeSearch):
+        def residuals(self, point: Point) -> NDArray[np.float64]:
+            u, v, w = (math.log(point[name] / PLAIN[name]) for name in names)
+            return np.array([1, 10 * (u - v), 10 * (v - w), u + v + w - 3])
 
-    search = MadeSearch(valley)
+    def valley(point: Point) -> float:
+        return float(np.sum(search.residuals(point) ** 2))
+
+    search = Valley(valley)
     assert search.moved(PLAIN, names, 0.1, 5)[1] > 5
     assert valley(search.polished(dict(PLAIN), names)) < 1.01
 
