@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 from scipy.optimize import brentq, minimize_scalar
+from scipy.special import xlogy
 
 from voltcam_simulator.effect import Events
 
@@ -45,7 +46,7 @@ def find_waits(events: Events, height: int, row_us: float, event_us: float) -> B
         return BusWaits()
     start_us = _start_us(events, height, row_us, event_us)
     # A row waits for its own request and then for the bus to begin.
-    return BusWaits(start_us, max(_row_wait_us(events) - start_us, 0.0))
+    return BusWaits(start_us, max(row_wait_us(events) - start_us, 0.0))
 
 
 def apart(per_us: Vector, service_us: Vector, start_us: float) -> Vector:
@@ -86,8 +87,9 @@ def _start_us(events: Events, height: int, row_us: float, event_us: float) -> fl
     return float(brentq(missing, LEAST_US, most_us)) if missing(most_us) < 0 else most_us
 
 
-def _row_wait_us(events: Events) -> float:
-    """Likeliest mean of an exponential time in which no second reading of the row comes; 0: none."""
+def row_wait_us(events: Events) -> float:
+    """Likeliest mean of an exponential time in which no second reading of the row comes [us]. 0 where it is
+    not clear, or tells less of these times than is left to tell."""
     order = np.argsort(events["y"], kind="stable")
     t_us, y = events["t"][order].astype(np.int64), events["y"][order].astype(np.int64)
     times_us = np.diff(t_us)[np.diff(y) == 0]
@@ -100,4 +102,6 @@ def _row_wait_us(events: Events) -> float:
 
     ends = np.log(LEAST_US), np.log(MOST_US)
     found = minimize_scalar(unlikely, bounds=ends, method="bounded")
-    return float(np.exp(found.x)) if unlikely(ends[0]) - found.fun > CLEAR_GAIN else 0.0
+    gain = unlikely(ends[0]) - found.fun
+    left = found.fun + 2 * float(xlogy(counts, counts / max(counts.sum(), 1)).sum())
+    return float(np.exp(found.x)) if gain > max(CLEAR_GAIN, left) else 0.0

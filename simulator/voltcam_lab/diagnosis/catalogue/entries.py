@@ -5,6 +5,7 @@ from math import log
 
 from voltcam_simulator import Parameters
 
+from ...health.bus_waits import row_wait_us
 from ...health.token_scan import find_token_scan
 from . import aps_coupling, flicker
 from .candidate import Candidate
@@ -56,6 +57,12 @@ def _token_scans(clues: Clues) -> tuple[Candidate, ...]:
     names = ("rows_together", "busy_per_us", "steepness", "burst_per_us")
     others = {name: float(getattr(token, name)) for name in names}
     return (Candidate("arbiter_scan", ("round_us",), sizes(token.round_us), others),)
+
+
+def _row_requests(clues: Clues) -> tuple[Candidate, ...]:
+    """Only where stamps show that rows ask late."""
+    wait_us = row_wait_us(clues.events)
+    return (Candidate("row_request", ("wait_us",), sizes(wait_us)),) if wait_us > 0 else ()
 
 
 ENTRIES: tuple[Entry, ...] = (
@@ -143,6 +150,7 @@ ENTRIES: tuple[Entry, ...] = (
         acts_across_columns=lambda parameters: parameters.usb_overflow.active,
     ),
     Entry("arbiter_scan", FAST_THEN_SLOW, _token_scans),
+    Entry("row_request", FAST_THEN_SLOW, _row_requests),
     Entry("crosstalk", STILL_SCENE, lambda clues: (Candidate("crosstalk", ("coupling",), sizes(0.05)),)),
     Entry("noise_pairs", STILL_SCENE, lambda clues: (Candidate("noise_pairs", ("rate_hz",), sizes(2)),)),
     Entry(

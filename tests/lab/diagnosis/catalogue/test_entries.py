@@ -14,7 +14,7 @@ from voltcam_lab.diagnosis.catalogue.entries import (
 )
 from voltcam_lab.diagnosis.catalogue.thresholds import ThresholdRatio
 from voltcam_lab.models.exact import IN_THRESHOLDS, K1_TO_K6
-from voltcam_simulator import Parameters
+from voltcam_simulator import EVENT, Parameters
 from voltcam_simulator.effects import EFFECTS
 
 from ..made_rig import made_clues
@@ -26,7 +26,7 @@ INPUT_AND_BASE = {
     "dark_current", "residual_drift", "residual_noise", "residual_kick", "residual_coupling",
     "residual_clock", "frame_noise",
 }  # fmt: skip
-ONLY_WHERE_SEEN = {"arbiter_scan"}
+ONLY_WHERE_SEEN = {"arbiter_scan", "row_request"}
 
 
 def test_every_effect_of_the_registry_can_be_found() -> None:
@@ -42,6 +42,23 @@ def test_a_token_is_looked_for_where_stamps_show_one() -> None:
     (token,) = [one for one in catalogue(replace(CLUES, events=events)) if one.effect == "arbiter_scan"]
     assert token.sizes[0][0] == pytest.approx(360, rel=0.05)
     assert token.on(Parameters.of("paper"), token.sizes[0]).arbiter_scan.active
+
+
+def test_a_row_that_asks_late_is_looked_for_where_stamps_show_it() -> None:
+    """20 000 events of rows that ask at random; of one that asked in the last 10 us there is none again."""
+    events = np.zeros(20_000, EVENT)
+    rng = np.random.default_rng(1)
+    events["t"], events["y"] = np.sort(rng.integers(0, 400_000, len(events))), rng.integers(0, 36, len(events))
+    assert "row_request" not in {one.effect for one in catalogue(replace(CLUES, events=events))}
+    order = np.lexsort((events["t"], events["y"]))
+    late = order[1:][(np.diff(events["t"][order]) < 10) & (np.diff(events["y"][order].astype(int)) == 0)]
+    (candidate,) = [
+        one
+        for one in catalogue(replace(CLUES, events=np.delete(events, late)))
+        if one.effect == "row_request"
+    ]
+    assert 2 < candidate.sizes[0][0] < 40
+    assert candidate.on(Parameters.of("paper"), candidate.sizes[0]).row_request.active
 
 
 @pytest.mark.parametrize("candidate", catalogue(CLUES), ids=lambda one: f"{one.effect}-{one.names[0]}")
