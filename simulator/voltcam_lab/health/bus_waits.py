@@ -7,6 +7,7 @@ service times s and setups of mean D, a reading leaves nothing behind with the p
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,7 +62,7 @@ def apart(per_us: Vector, service_us: Vector, start_us: float) -> Vector:
 
 def _start_us(events: Events, height: int, row_us: float, event_us: float) -> float:
     windows = Windows.of(events, height)
-    token = binary_dilation(windows.coherence > COHERENT, np.ones(3))
+    token = np.asarray(binary_dilation(windows.coherence > COHERENT, np.ones(3)), np.bool_)
     t_us, y = events["t"].astype(np.int64), events["y"].astype(np.int64)
     first = np.flatnonzero(np.r_[True, (np.diff(t_us) != 0) | (np.diff(y) != 0)])
     where = (t_us[first] - windows.edges_us[0]) // WINDOW_US
@@ -84,7 +85,10 @@ def _start_us(events: Events, height: int, row_us: float, event_us: float) -> fl
     if missing(LEAST_US) < CLEAR_SD * np.sqrt(readings[used].sum() * share * (1 - share)):
         return 0.0
     most_us = 0.9 / float(per_us.max())
-    return float(brentq(missing, LEAST_US, most_us)) if missing(most_us) < 0 else most_us
+    if missing(most_us) >= 0:
+        return most_us
+    found: Any = brentq(missing, LEAST_US, most_us)
+    return float(found)
 
 
 def row_wait_us(events: Events) -> float:
@@ -101,7 +105,7 @@ def row_wait_us(events: Events) -> float:
         return -2 * float(counts @ np.log(shape / shape.sum()))
 
     ends = np.log(LEAST_US), np.log(MOST_US)
-    found = minimize_scalar(unlikely, bounds=ends, method="bounded")
+    found: Any = minimize_scalar(unlikely, bounds=ends, method="bounded")
     gain = unlikely(ends[0]) - found.fun
     left = found.fun + 2 * float(xlogy(counts, counts / max(counts.sum(), 1)).sum())
     return float(np.exp(found.x)) if gain > max(CLEAR_GAIN, left) else 0.0

@@ -81,7 +81,7 @@ def find_token_scan(events: Events, height: int) -> TokenScan | None:
     windows = Windows.of(events, height)
     t_us, edges_us, counts = np.ascontiguousarray(events["t"], np.int64), windows.edges_us, windows.counts
     judged = counts >= FEWEST
-    going = binary_opening(judged & (windows.coherence > COHERENT), np.ones(SHORTEST))
+    going = np.asarray(binary_opening(judged & (windows.coherence > COHERENT), np.ones(SHORTEST)), np.bool_)
     if np.count_nonzero(going) < FEWEST_WINDOWS:
         return None
     round_us = float(1e6 / np.median(windows.frequency_hz[going]))

@@ -48,7 +48,10 @@ def test_a_row_that_asks_late_is_looked_for_where_stamps_show_it() -> None:
     """20 000 events of rows that ask at random; of one that asked in the last 10 us there is none again."""
     events = np.zeros(20_000, EVENT)
     rng = np.random.default_rng(1)
-    events["t"], events["y"] = np.sort(rng.integers(0, 400_000, len(events))), rng.integers(0, 36, len(events))
+    events["t"], events["y"] = (
+        np.sort(rng.integers(0, 400_000, len(events))),
+        rng.integers(0, 36, len(events)),
+    )
     assert "row_request" not in {one.effect for one in catalogue(replace(CLUES, events=events))}
     order = np.lexsort((events["t"], events["y"]))
     late = order[1:][(np.diff(events["t"][order]) < 10) & (np.diff(events["y"][order].astype(int)) == 0)]
