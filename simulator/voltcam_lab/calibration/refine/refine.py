@@ -2,12 +2,14 @@
 
 The light itself (how sharp, how a grey level stands for light), why events are late, noise out of the
 blue: each changes what a simulation gives out, so it is tried, with the same random numbers each time
-(Gourieroux, Monfort, Renault 1993; Hooke and Jeeves 1961; Gauss and Newton). Steps are judged on one part
-of the pixels; a mechanism, or other light, stays only if the other part, which saw no steps, comes closer.
+(Gourieroux, Monfort, Renault 1993; Hooke and Jeeves 1961; Branch, Coleman, Li 1999). Steps are judged on
+one part of the pixels; a mechanism, or other light, stays only if the other part, which saw no steps, comes
+closer.
 Where the light stays as it is, only events in light that is known count: else parameters would make up for
 the light between frames of this recording, and be wrong in any other. There a grey level is light, as a
 sensor gives it out; what black and white stand for is found by itself, see `with_ends`. The spread of
-thresholds and the frames' noise are traded against the gain, see `with_spread_and_slack`.
+thresholds and the frames' noise are traded against the gain, see `with_spread_and_slack`. All else is then
+found once more, see `settled`.
 """
 
 from collections.abc import Callable

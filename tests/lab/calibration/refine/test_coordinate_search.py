@@ -104,6 +104,23 @@ def test_polishing_keeps_the_best_that_it_has_seen() -> None:
     assert noisy(MadeSearch(noisy).polished(PLAIN | {"gain": 12.0}, ("gain", "period_us"))) == 0
 
 
+def test_what_is_settled_last_leaves_ends_and_spread_as_they_are() -> None:
+    """A bowl whose bottom is elsewhere in all of them."""
+    there = PLAIN | {"threshold_spread": 0.05, "pedestal_dn": 4.0, "highlight": 1.5, "slack_dn": 1.0}
+    best = {"gain": 12.0, "on_over_off": 0.8, "knee_dn": 30.0}
+    fixed = {"threshold_spread": 0.1, "pedestal_dn": 8.0, "highlight": 2.0, "slack_dn": 2.0}
+
+    class Bowl(MadeSearch):
+        def residuals(self, point: Point) -> NDArray[np.float64]:
+            return np.array([math.log(point[name] / value) for name, value in (best | fixed).items()])
+
+    seen = bowl(**best, **fixed)
+    found = Bowl(seen).settled(dict(there))
+    assert {name: found[name] for name in best} == pytest.approx(best, rel=0.05)
+    assert {name: found[name] for name in fixed} == {name: there[name] for name in fixed}
+    assert Bowl(seen, lambda point: 1.0).settled(dict(there)) == there  # pixels that saw no step do not gain
+
+
 def test_no_step_makes_it_worse_and_the_start_is_left_as_it_was() -> None:
     rng = np.random.default_rng(1)
     given = dict(PLAIN)
