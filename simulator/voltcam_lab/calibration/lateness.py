@@ -2,10 +2,14 @@
 
 from dataclasses import replace
 
+import numpy as np
+from scipy.stats import t as student
+
 from voltcam_simulator import Parameters
 
 from ..health import inspect
-from ..health.lag import Lag, find_lag
+from ..health.lag import Lag, find_lag, threshold_of
+from ..health.subject import subject_of
 from ..light.scene import Scene
 from ..models.model import MODELS, simulate
 from ..recordings import Footage
@@ -32,19 +36,20 @@ def as_late_as(footage: Footage, scene: Scene, parameters: Parameters, seed: int
 
     footage, scene: of the same pixels and time. Simulated events are late by themselves, too: by the low pass
     of the photoreceptor and since a threshold takes time to be reached. So their lag behind the frames is
-    measured as that of the recorded ones is (`health.lag`), and the delay makes up for the difference.
-    A delay that was fitted within the 90 % interval stays.
+    measured as that of the recorded ones is (`health.lag`, with one threshold for both), and the delay makes
+    up for the difference. A delay that was fitted within the 90 % interval stays.
     """
-    real = inspect(footage).lag
-    sure_us = 1.645 * real.uncertainty_us
+    inspection = inspect(footage)
+    real, threshold = inspection.lag, threshold_of(inspection.subject)
     delay_us = parameters.latency.delay_us
     for _ in range(ROUNDS):
         moved = parameters.changed({"latency": {"delay_us": delay_us}})
         events = simulate(MODELS["exact"](footage.width, footage.height, moved, seed), scene)
         if not len(events):
             return parameters, "delay as fitted: nothing was simulated to compare it with"
-        lag_us = find_lag(inspect(replace(footage, events=events)).subject).lag_us
-        delay_us += real.lag_us - lag_us
+        simulated = find_lag(subject_of(replace(footage, events=events)), threshold)
+        delay_us += real.lag_us - simulated.lag_us
+    sure_us = _sure_us(real, simulated)
     low, high = delay_us - sure_us, delay_us + sure_us
     if low <= parameters.latency.delay_us <= high:
         delay_us = parameters.latency.delay_us
@@ -54,3 +59,10 @@ def as_late_as(footage: Footage, scene: Scene, parameters: Parameters, seed: int
         f"simulated ones are with a delay of {delay_us:.0f} us ({low:.0f} to {high:.0f})"
     )
     return parameters.changed({"latency": {"delay_us": round(delay_us, 1)}}), words
+
+
+def _sure_us(real: Lag, simulated: Lag) -> float:
+    """Half the 90 % interval of how much later one is than the other [us]. Group by group they are of the
+    same light, so what light and threshold do to a lag is in both and falls out."""
+    apart_us = np.subtract(real.parts_us, simulated.parts_us)
+    return float(student.ppf(0.95, len(apart_us) - 1) * apart_us.std(ddof=1) / np.sqrt(len(apart_us)))

@@ -26,7 +26,7 @@ class Lag:
     """events = frames + lag_us. correlation: of signed event counts and changes of ln L, by block and frame.
 
     score: that correlation over its standard deviation when the blocks are exchanged. reversed: the largest
-    correlation, at any lag, if ON and OFF are exchanged.
+    correlation, at any lag, if ON and OFF are exchanged. parts_us: the lag of each of 8 groups of blocks.
     """
 
     lag_us: float
@@ -36,6 +36,7 @@ class Lag:
     reversed: float
     drift_ppm: float
     drift_uncertainty_ppm: float
+    parts_us: tuple[float, ...]
 
     @property
     def is_sure(self) -> bool:
@@ -77,6 +78,7 @@ def find_lag(
         reversed=-float(follows.min()),
         drift_ppm=float(drift.mean()),
         drift_uncertainty_ppm=float(drift.std(ddof=1) / np.sqrt(_GROUPS)),
+        parts_us=tuple(parts.tolist()),
     )
 
 

@@ -70,7 +70,7 @@ def light(subject: Subject) -> list[Finding]:
 
 def clock(subject: Subject, lag: Lag) -> Finding:
     """Whether the events follow the frames' light, and how much later."""
-    numbers = {key: float(value) for key, value in vars(lag).items()}
+    numbers = {key: float(value) for key, value in vars(lag).items() if key != "parts_us"}
     if lag.reversed > max(_REVERSED, 2 * lag.correlation):
         words = "the events follow the light with ON and OFF exchanged: turn their polarity round"
         return Finding("clock", "fatal", words, numbers)

@@ -59,4 +59,4 @@ def test_a_camera_without_events_keeps_its_delay(late: tuple[Footage, object]) -
     ],
 )
 def test_clocks_are_apart_by_a_lag_that_no_camera_has(lag_us: float, score: float, apart_us: float) -> None:
-    assert clocks_apart_us(Lag(lag_us, 500.0, 0.9, score, 0.1, 0.0, 100.0)) == apart_us
+    assert clocks_apart_us(Lag(lag_us, 500.0, 0.9, score, 0.1, 0.0, 100.0, (lag_us,) * 8)) == apart_us

@@ -27,7 +27,6 @@ OFFERED: tuple[tuple[str, tuple[float, ...]], ...] = (
     ("reset_spread", (0.03, 0.08)),
     ("coupling", (0.001, 0.003, 0.008)),
     ("cutoff_hz", (1500.0, 500.0, 200.0)),
-    ("jitter_us", (100.0, 500.0)),
     ("k4_per_us", (1e-8, 1e-7)),
     ("k5_per_dn_us", (1e-10, 1e-9)),
     ("leak_spread", (0.3,)),

@@ -157,25 +157,25 @@ def test_what_helps_only_the_pixels_that_chose_it_is_not_kept() -> None:
 
 
 def test_a_mechanism_that_is_there_stays_and_is_not_offered_again() -> None:
-    there = PLAIN | ABSENT | {"jitter_us": 100.0}
+    there = PLAIN | ABSENT | {"coupling": 0.003}
     search = MadeSearch(with_mechanisms())
     point, kept = search.offered(there)
-    assert kept == ("jitter_us",)
+    assert kept == ("coupling",)
     assert point == there
-    assert "refine: jitter_us" not in search.said
+    assert "refine: coupling" not in search.said
 
 
 def test_what_neither_part_misses_goes_in_the_end() -> None:
-    both = PLAIN | ABSENT | {"jitter_us": 100.0, "reset_spread": 0.08}
+    both = PLAIN | ABSENT | {"coupling": 0.003, "reset_spread": 0.08}
     point, kept = MadeSearch(with_mechanisms(reset_spread=0.08)).without_needless(
-        both, ("jitter_us", "reset_spread")
+        both, ("coupling", "reset_spread")
     )
     assert kept == ("reset_spread",)
-    assert point["jitter_us"] == 0
+    assert point["coupling"] == 0
     missed = MadeSearch(
-        with_mechanisms(reset_spread=0.08), with_mechanisms(reset_spread=0.08, jitter_us=100.0)
+        with_mechanisms(reset_spread=0.08), with_mechanisms(reset_spread=0.08, coupling=0.003)
     )
-    assert missed.without_needless(both, ("jitter_us", "reset_spread"))[1] == ("jitter_us", "reset_spread")
+    assert missed.without_needless(both, ("coupling", "reset_spread"))[1] == ("coupling", "reset_spread")
 
 
 def test_a_slower_front_end_takes_its_lag_from_the_delay() -> None:
