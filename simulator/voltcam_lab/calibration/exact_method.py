@@ -17,11 +17,11 @@ from .estimates import Estimate
 from .lateness import as_late_as, clocks_apart_us
 from .part import SIMULATED, Cut, shortened
 from .reading import Reading
+from .refine.coordinate_search import BETTER
 from .refine.refine import Refined, known_share, refine, settled, with_ends, with_spread_and_slack
 from .scatter import as_scattered
 
 MOSTLY_KNOWN = 0.5  # of the events: by fewer, parameters would make up for light that is not known
-WORTH_IT = 0.9  # of the score, where parameters that behave more alike take the place of the likeliest
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +58,7 @@ class ExactMethod:
         share = known_share(self.reading.events, self.reading.scene) if refining else 0.0
         if share >= MOSTLY_KNOWN:
             refined = self._refined(parameters)
-            worth = refined.after < WORTH_IT * refined.before
+            worth = refined.after < BETTER * refined.before
             notes.append(_told(refined, worth))
             parameters = refined.parameters if worth else likeliest
         elif refining:

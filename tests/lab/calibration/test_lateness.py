@@ -42,6 +42,14 @@ def test_a_delay_within_its_interval_stays(late: tuple[Footage, object]) -> None
     assert f"{TRUE_US + 40:.0f} us" in words
 
 
+def test_what_makes_both_late_does_not_widen_the_interval(late: tuple[Footage, object]) -> None:
+    footage, scene = late
+    off = CAMERA.changed({"latency": {"delay_us": TRUE_US + 700.0}})
+    assert inspect(footage).lag.uncertainty_us > 1000  # half the blocks tell nothing, of either alike
+    found, _ = as_late_as(footage, scene, off, seed=1)  # type: ignore[arg-type]
+    assert found.latency.delay_us == pytest.approx(TRUE_US, abs=500)
+
+
 def test_a_camera_without_events_keeps_its_delay(late: tuple[Footage, object]) -> None:
     footage, scene = late
     blind = CAMERA.changed({"comparator": {"theta_on": 90.0, "theta_off": 90.0}})
