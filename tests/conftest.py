@@ -16,7 +16,7 @@ LONG = (
     "server/test_openapi.py",
     "lab/calibration/test_calibrate.py",
     "lab/diagnosis/test_cli.py",
-    "lab/calibration/refine/test_refine.py",
+    "lab/calibration/refine/test_refinement.py",
 )
 """Files of more than 20 s. They are begun first, so that at the end no core waits for one of them."""
 

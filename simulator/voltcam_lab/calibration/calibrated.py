@@ -13,7 +13,7 @@ from ..windows import Mask
 from .calibrate import Calibration
 from .estimates import Estimate
 from .reading import Reading
-from .refine.refine import Refined
+from .refine.refinement import Refined
 
 Method = Literal["exact", "paper"]
 EXACT = ("frame_period_us", "offset_us")

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from .lateness import as_late_as, clocks_apart_us
 from .part import SIMULATED, Cut, shortened
 from .reading import Reading
 from .refine.coordinate_search import BETTER
-from .refine.refine import Refined, known_share, refine, settled, with_ends, with_spread_and_slack
+from .refine.refinement import Refined, Refinement, known_share
 from .scatter import as_scattered
 
 MOSTLY_KNOWN = 0.5  # of the events: by fewer, parameters would make up for light that is not known
@@ -57,7 +56,7 @@ class ExactMethod:
         moved: tuple[tuple[str, float, float], ...] = ()
         share = known_share(self.reading.events, self.reading.scene) if refining else 0.0
         if share >= MOSTLY_KNOWN:
-            refined = self._refined(parameters)
+            refined = self._refinement(parameters).refined(parameters, same_light=True)
             worth = refined.after < BETTER * refined.before
             notes.append(_told(refined, worth))
             parameters = refined.parameters if worth else likeliest
@@ -97,31 +96,24 @@ class ExactMethod:
         parameters, scatter = as_scattered(footage, simulated, parameters)
         return parameters, notes + ([frames, scatter] if scatter else [frames])
 
-    def _refined(self, start: Parameters) -> Refined:
+    def _refinement(self, parameters: Parameters) -> Refinement:
         """The camera will see other scenes, so light is what it is there: frames, and what is between them.
 
         Where what frames do to events is in the parameters, events about exposures count as all others. Else
         they are left out.
         """
-        return refine(
-            self.reading.events, self.reading.scene, self._light, self._region(start), start, self.seed,
-            self.report, same_light=True, longest=SIMULATED,
+        return Refinement(
+            self.reading.events, self.reading.scene, self._light, self._region(parameters), self.seed,
+            self.report, SIMULATED,
         )  # fmt: skip
 
     def _beside_light(self, start: Parameters, settling: bool) -> Parameters:
         """What the frames' black and white stand for, and what of spread and noise is the light's. settling:
         all else is found anew with these."""
-        noise_dn = self.inspection.subject.light.noise_dn
-        steps: list[Callable[..., Parameters]] = [
-            with_ends,
-            partial(with_spread_and_slack, noise_dn=noise_dn),
-        ]
-        for found in [*steps, settled] if settling else steps:
-            start = found(
-                self.reading.events, self.reading.scene, self._light, self._region(start), start,
-                seed=self.seed, report=self.report, longest=SIMULATED,
-            )  # fmt: skip
-        return start
+        refinement = self._refinement(start)
+        found = refinement.with_ends(start)
+        found = refinement.with_spread_and_slack(found, self.inspection.subject.light.noise_dn)
+        return refinement.settled(found) if settling else found
 
     @property
     def _light(self) -> FrameLight:

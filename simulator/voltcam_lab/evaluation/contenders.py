@@ -10,7 +10,7 @@ from voltcam_simulator import Parameters
 from ..calibration.calibrate import CalibrationError, Reading, calibrate
 from ..calibration.lateness import clocks_apart_us
 from ..calibration.paper_method import calibrate_as_paper
-from ..calibration.refine.refine import Refined, refine
+from ..calibration.refine.refinement import Refined, Refinement
 from ..distances import FrameLight, Region
 from ..health import Inspection
 from ..light.between_frames import scene_between
@@ -60,7 +60,7 @@ def contenders(
         start = thresholds("exact", ideal)
     assert isinstance(start, Parameters)  # models that are not ours have others
     light = FrameLight(recording.frames, recording.frame_t_us)
-    refined = refine(recording.events, scene, light, fitting, start, SEED, progress)
+    refined = Refinement(recording.events, scene, light, fitting, SEED, progress).refined(start)
     scene = refined.scene
     notes.append(_told(refined))
     ways: dict[str, tuple[str, Callable[[], AnyParameters]]] = {

@@ -26,7 +26,7 @@ from voltcam_lab.calibration.camera_from import camera_from
 from voltcam_lab.calibration.estimates import correlations, estimates_of, noise_shares
 from voltcam_lab.calibration.fit import PRIOR, Fit
 from voltcam_lab.calibration.reading import Reading
-from voltcam_lab.calibration.refine.refine import Refined
+from voltcam_lab.calibration.refine.refinement import Refined, Refinement
 from voltcam_lab.distances import Region
 from voltcam_lab.health import inspect
 from voltcam_lab.light.scene import Scene, scene_of
@@ -55,6 +55,11 @@ def told(reading: Reading, *_: object) -> Calibration:
 def straight(frames: np.ndarray, t_us: np.ndarray) -> Scene:
     """The light between frames goes straight: soonest made."""
     return scene_of(frames, t_us, "linear")
+
+
+def as_it_was(_: Refinement, start: Parameters) -> Parameters:
+    """In place of a step."""
+    return start
 
 
 @pytest.fixture(autouse=True)
@@ -152,22 +157,23 @@ def test_of_too_much_the_middle_is_looked_at(monkeypatch: pytest.MonkeyPatch) ->
     assert (found.camera.width, found.camera.height) == (WIDTH, HEIGHT)
 
 
-@pytest.mark.parametrize(("after", "taken"), [(0.5, True), (0.95, False)])
-def test_what_behaves_more_alike_is_taken_if_it_is_worth_it(
+@pytest.mark.parametrize(("after", "taken"), [(0.5, True), (0.95, True), (0.999, False)])
+def test_what_behaves_more_alike_to_pixels_that_saw_no_step_is_taken(
     monkeypatch: pytest.MonkeyPatch, after: float, taken: bool
 ) -> None:
     better = FOUND.changed({"contrast_response": {"k1": 7.0}, "latency": {"delay_us": 900.0}})
 
-    def refined(_: object, scene: object, *__: object, **___: object) -> Refined:
-        return Refined(better, scene, "as it was", (), (), 1.0, after)  # type: ignore[arg-type]
+    def refined(refinement: Refinement, _: Parameters, same_light: bool) -> Refined:
+        assert same_light
+        return Refined(better, refinement.scene, "as it was", (), (), 1.0, after)
 
-    def settled(*given: object, **_: object) -> Parameters:
-        asked.append(start := next(one for one in given if isinstance(one, Parameters)))
+    def settled(_: Refinement, start: Parameters) -> Parameters:
+        asked.append(start)
         return start
 
     asked: list[Parameters] = []
-    monkeypatch.setattr(exact_method, "refine", refined)
-    monkeypatch.setattr(exact_method, "settled", settled)
+    monkeypatch.setattr(Refinement, "refined", refined)
+    monkeypatch.setattr(Refinement, "settled", settled)
     found = camera_from(well())
     assert bool(asked) == taken
     moved = {name: (before, now) for name, before, now in found.moved}
@@ -186,24 +192,23 @@ def test_what_behaves_more_alike_is_taken_if_it_is_worth_it(
         assert one.low <= value <= one.high
 
 
-@pytest.mark.parametrize("after", [0.5, 0.95])
+@pytest.mark.parametrize("after", [0.5, 0.999])
 def test_what_the_ends_of_the_scale_stand_for_stays_whether_the_rest_is_moved_or_not(
     monkeypatch: pytest.MonkeyPatch, after: float
 ) -> None:
     better = FOUND.changed({"contrast_response": {"k1": 7.0}})
     begun: list[Parameters] = []
 
-    def refined(_: object, scene: object, *__: object, **___: object) -> Refined:
-        return Refined(better, scene, "as it was", (), (), 1.0, after)  # type: ignore[arg-type]
+    def refined(refinement: Refinement, _: Parameters, **__: object) -> Refined:
+        return Refined(better, refinement.scene, "as it was", (), (), 1.0, after)
 
-    def black(*given: object, **_: object) -> Parameters:
-        (start,) = (one for one in given if isinstance(one, Parameters))
+    def black(_: Refinement, start: Parameters) -> Parameters:
         begun.append(start)
         return start.changed({"input_response": {"pedestal_dn": 5.0}})
 
-    monkeypatch.setattr(exact_method, "refine", refined)
-    monkeypatch.setattr(exact_method, "with_ends", black)
-    monkeypatch.setattr(exact_method, "settled", lambda *given, **_: given[4])
+    monkeypatch.setattr(Refinement, "refined", refined)
+    monkeypatch.setattr(Refinement, "with_ends", black)
+    monkeypatch.setattr(Refinement, "settled", as_it_was)
     found = camera_from(well())
     assert begun[0].contrast_response.k1 == (7.0 if after == 0.5 else 6.123456)
     assert found.camera.parameters.input_response.pedestal_dn == 5.0
@@ -214,13 +219,13 @@ def test_what_the_ends_of_the_scale_stand_for_stays_whether_the_rest_is_moved_or
 def test_nothing_is_moved_by_light_that_is_mostly_unknown(
     monkeypatch: pytest.MonkeyPatch, share: float, moved: bool
 ) -> None:
-    def refined(_: object, scene: object, *__: object, **___: object) -> Refined:
+    def refined(refinement: Refinement, _: Parameters, **__: object) -> Refined:
         better = FOUND.changed({"contrast_response": {"k1": 7.0}})
-        return Refined(better, scene, "as it was", (), (), 1.0, 0.5)  # type: ignore[arg-type]
+        return Refined(better, refinement.scene, "as it was", (), (), 1.0, 0.5)
 
-    monkeypatch.setattr(exact_method, "refine", refined)
+    monkeypatch.setattr(Refinement, "refined", refined)
     monkeypatch.setattr(exact_method, "known_share", lambda *_: share)
-    monkeypatch.setattr(exact_method, "settled", lambda *given, **_: given[4])
+    monkeypatch.setattr(Refinement, "settled", as_it_was)
     found = camera_from(well())
     assert found.camera.parameters.contrast_response.k1 == (7.0 if moved else 6.123456)
     assert (found.refined is not None) == moved
@@ -242,15 +247,14 @@ def test_events_about_exposures_count_where_the_camera_has_what_makes_them(
         pixels.append(own)
         return own.changed({"aps_coupling": {"exposure_kick": kick}}), None
 
-    def refined(
-        _: object, scene: Scene, __: object, region: Region, start: Parameters, *___: object, **____: object
-    ) -> Refined:
-        regions.append(region)
-        return Refined(start.changed({"contrast_response": {"k1": 7.0}}), scene, "", (), (), 1.0, 0.5)
+    def refined(refinement: Refinement, start: Parameters, **_: object) -> Refined:
+        regions.append(refinement.fitting)
+        better = start.changed({"contrast_response": {"k1": 7.0}})
+        return Refined(better, refinement.scene, "", (), (), 1.0, 0.5)
 
     monkeypatch.setattr(exact_method, "with_frames_of", with_frames)
-    monkeypatch.setattr(exact_method, "refine", refined)
-    monkeypatch.setattr(exact_method, "settled", lambda *given, **_: given[4])
+    monkeypatch.setattr(Refinement, "refined", refined)
+    monkeypatch.setattr(Refinement, "settled", as_it_was)
     found = camera_from(inspection).camera.parameters
     (region,) = regions
     middle_us = inspection.exposure_windows.mean(axis=1)[1:-1]

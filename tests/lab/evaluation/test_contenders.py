@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from voltcam_lab.calibration.calibrate import CalibrationError
-from voltcam_lab.calibration.refine.refine import Refined
+from voltcam_lab.calibration.refine.refinement import Refined, Refinement
 from voltcam_lab.distances import held_out
 from voltcam_lab.evaluation import contenders
 from voltcam_lab.evaluation.evaluate import yardstick_of
@@ -39,7 +39,7 @@ class Fits:
         self.thresholds: list[tuple[str, int, int]] = []
         self.start: list[Parameters] = []
         monkeypatch.setattr(contenders, "calibrate", self.calibrate)
-        monkeypatch.setattr(contenders, "refine", self.refine)
+        monkeypatch.setattr(Refinement, "refined", lambda own, start: self.refined(own, start))
         monkeypatch.setattr(contenders, "calibrate_as_paper", self.as_paper)
         monkeypatch.setattr(contenders, "with_fitted_thresholds", self.fitted)
 
@@ -49,11 +49,9 @@ class Fits:
     def as_paper(self, *_: object) -> object:
         raise ValueError("no bin\n has enough")
 
-    def refine(
-        self, events: object, scene: Any, light: object, fitting: object, start: Parameters, *_: object
-    ) -> Refined:
+    def refined(self, refinement: Refinement, start: Parameters) -> Refined:
         self.start.append(start)
-        scene = replace(scene, how="linear")
+        scene = replace(refinement.scene, how="linear")
         return Refined(start, scene, "as it was", ("hot",), (), 3.0, 1.5)
 
     def fitted(self, model: str, scene: object, on: int, off: int, parameters: Any = None, *_: object) -> Any:

@@ -46,7 +46,6 @@ PLACES = (
     | {name: K1_TO_K6[name] for name in ("k3", "k4_per_us", "k5_per_dn_us", "k6")}
     | {
         "delay_us": ("latency", "delay_us"),
-        "jitter_us": ("latency", "jitter_us"),
         "period_us": ("refractory_period", "period_us"),
         "gamma": ("input_response", "gamma_exponent"),
         "pedestal_dn": ("input_response", "pedestal_dn"),

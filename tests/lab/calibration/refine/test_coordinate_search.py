@@ -18,11 +18,7 @@ from voltcam_lab.calibration.refine.coordinates import (
     parameters_at,
     point_of,
 )
-from voltcam_lab.calibration.refine.refine import (
-    SLACKS,
-    with_ends,
-    with_spread_and_slack,
-)
+from voltcam_lab.calibration.refine.refinement import SLACKS, Refinement
 from voltcam_lab.calibration.refine.replay import Replay
 from voltcam_lab.distances import FrameLight, Region
 from voltcam_lab.distances.goal import Goal
@@ -265,7 +261,7 @@ def test_what_black_stands_for_is_found_where_frames_have_it() -> None:
 
     def found(taken: NDArray[np.uint8]) -> Parameters:
         scene, light = scene_of(taken, WAVE_US, "linear"), FrameLight(taken, WAVE_US)
-        return with_ends(real, scene, light, region, camera, 1, said.append)
+        return Refinement(real, scene, light, region, 1, said.append).with_ends(camera)
 
     assert 7 < found(frames).input_response.pedestal_dn < 14
     assert said == ["refine: pedestal_dn"]
@@ -277,7 +273,8 @@ def test_what_white_stands_for_is_found_where_frames_have_it() -> None:
     """Full at 80 DN. Light goes to 120, half as much again."""
     real, frames, region = recorded(0, 80)
     scene, light = scene_of(frames, WAVE_US, "linear"), FrameLight(frames, WAVE_US)
-    found = with_ends(real, replace(scene, white_dn=80.0), light, region, START, 1).input_response
+    refinement = Refinement(real, replace(scene, white_dn=80.0), light, region, 1)
+    found = refinement.with_ends(START).input_response
     assert 1.1 < found.highlight < 1.5
     assert found.white_level_dn == 80
     assert found.pedestal_dn < 3
@@ -303,7 +300,7 @@ def test_thresholds_that_seemed_to_spread_do_so_less_where_recorded_events_do() 
     scene, seen = scene_of(light, WAVE_US, "linear"), FrameLight(light.astype(np.uint8), WAVE_US)
     low = 0.8 * START.contrast_response.k1
     wide = START.changed({"threshold_mismatch": {"sigma": 0.4}, "contrast_response": {"k1": low}})
-    found = with_spread_and_slack(real, scene, seen, region, wide, 0.3, 1)
+    found = Refinement(real, scene, seen, region, 1).with_spread_and_slack(wide, 0.3)
     assert found.threshold_mismatch.sigma < 0.13
     events = [Replay.of(scene, region).events(one, seed=4).size for one in (wide, found)]
     assert events[1] == pytest.approx(events[0], rel=0.05)
@@ -326,7 +323,7 @@ def test_noise_of_frames_is_kept_from_the_pixels(noise_dn: float) -> None:
     noise = np.random.default_rng(3).normal(0, noise_dn, light.shape)
     frames = np.rint(np.clip(light + noise, 0, 255)).astype(np.uint8)
     scene, seen = scene_of(frames, WAVE_US, "linear"), FrameLight(frames, WAVE_US)
-    found = with_spread_and_slack(real, scene, seen, region, START, max(noise_dn, 0.5), 1)
+    found = Refinement(real, scene, seen, region, 1).with_spread_and_slack(START, max(noise_dn, 0.5))
     assert found.frame_noise.slack_dn in [0.0 if noise_dn == 0 else size * noise_dn for size in SLACKS]
     if noise_dn == 0:
         return

@@ -13,7 +13,7 @@ from tests.lab.calibration.refine.made import (
 )
 
 from voltcam_lab.calibration.refine.coordinates import ABSENT, PLACES, point_of, response
-from voltcam_lab.calibration.refine.refine import Refined, refine
+from voltcam_lab.calibration.refine.refinement import Refined, Refinement
 from voltcam_lab.calibration.refine.replay import Replay
 from voltcam_lab.distances import Yardstick
 from voltcam_lab.distances.goal import Goal
@@ -30,9 +30,9 @@ def recording() -> Recording:
 def refined(recording: Recording) -> Refined:
     steps: list[str] = []
     late = START.changed({"latency": {"delay_us": LATE_US}})  # is found before, by the lag
-    found = refine(
-        recording.events, recording.scene, recording.light, recording.fitting, late, 1, steps.append
-    )
+    found = Refinement(
+        recording.events, recording.scene, recording.light, recording.fitting, 1, steps.append
+    ).refined(late)
     assert all(step.startswith("refine: ") for step in steps)
     return found
 
@@ -100,8 +100,7 @@ def test_events_are_of_the_light_of_when_they_were_due(recording: Recording) -> 
     frames[noisy] = rng.integers(20, 235, frames[noisy].shape)
     scene = scene_of(frames, recording.scene.taken_us, "cubic")
     late = START.changed({"latency": {"delay_us": LATE_US}})
-    found = refine(
-        recording.events, scene, recording.light, recording.fitting, late, 1, same_light=True
-    ).parameters
+    refinement = Refinement(recording.events, scene, recording.light, recording.fitting, 1)
+    found = refinement.refined(late, same_light=True).parameters
     change = response(point_of(found), np.array([40.0, 160.0]))[1]
     assert change == pytest.approx(BASE.k1 * np.log((160 + BASE.k2) / (40 + BASE.k2)), rel=0.12)
