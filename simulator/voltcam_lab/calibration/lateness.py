@@ -41,15 +41,14 @@ def as_late_as(footage: Footage, scene: Scene, parameters: Parameters, seed: int
     """
     inspection = inspect(footage)
     real, threshold = inspection.lag, threshold_of(inspection.subject)
-    delay_us = parameters.latency.delay_us
+    delay_us, sure_us = parameters.latency.delay_us, 0.0
     for _ in range(ROUNDS):
         moved = parameters.changed({"latency": {"delay_us": delay_us}})
         events = simulate(MODELS["exact"](footage.width, footage.height, moved, seed), scene)
         if not len(events):
             return parameters, "delay as fitted: nothing was simulated to compare it with"
         simulated = find_lag(subject_of(replace(footage, events=events)), threshold)
-        delay_us += real.lag_us - simulated.lag_us
-    sure_us = _sure_us(real, simulated)
+        delay_us, sure_us = delay_us + real.lag_us - simulated.lag_us, _sure_us(real, simulated)
     low, high = delay_us - sure_us, delay_us + sure_us
     if low <= parameters.latency.delay_us <= high:
         delay_us = parameters.latency.delay_us
