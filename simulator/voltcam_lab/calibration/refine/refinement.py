@@ -24,12 +24,7 @@ from ...distances.goal import Goal
 from ...light.known import KnownLight
 from ...light.scene import Scene
 from .coordinate_search import CoordinateSearch
-from .coordinates import (
-    ABSENT,
-    CORE,
-    parameters_at,
-    point_of,
-)
+from .coordinates import ABSENT, CORE, parameters_at, point_of
 
 DEVELOPED_PIXELS = 12  # side of the tiles, every other one of which judges what is kept
 KNOWN = 0.3  # of the brightness: light that is further off between frames takes no part
@@ -66,9 +61,9 @@ def known_share(events: NDArray[np.void], scene: Scene) -> float:
 class Refinement:
     """Cameras are brought closer to a recording, by simulations of its light.
 
-    events (EVENT): the recording's, in order of time; light: its frames; fitting: what of it counts. Effects
-    that the search has no coordinate for stay as they are. longest: pixels times images of light that are
-    simulated, the busiest stretch of more.
+    events (EVENT): the recording's, in order of time; light: its frames; fitting: what of it counts. seed: of
+    all simulations; report: is told of each step. Effects that the search has no coordinate for stay as they
+    are. longest: pixels times images of light that are simulated, the busiest stretch of more.
     """
 
     events: NDArray[np.void]
