@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import starmap
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -158,13 +159,44 @@ class Simulator:
             self._jumped(image, t_us)
             return None
         try:
-            drawn = self._drawn(image, t_us, limits, meanwhile)
+            self._follow(image, t_us, self._t_us, limits, meanwhile)
+            drawn = self._drawn(self._t_us, t_us, limits)
         except GivenUpError:
             self._pixels.abandon()
             raise
         self._frame, self._t_us = image, t_us
         self._intervals += 1
         return drawn
+
+    def advance_along(self, frames: Iterable[tuple[ArrayLike, int]]) -> Events:
+        """The events from the last frame to the last of these (frame, t_us), in one array: those of `advance`
+        for each, in law. Effects that act on events see one interval, unless they change voltages or look at
+        light: fewer calls a frame, which a small sensor feels.
+
+        Raises as `advance` does, and what `frames` raises: with the sensor at the last frame before, whose
+        events are lost.
+        """
+        if self._stages.feed_back or self._stages.see_light:
+            return np.concatenate([np.empty(0, EVENT), *starmap(self.advance, frames)])
+        start_us: int | None = None
+        try:
+            for frame, t_us in frames:
+                image = self._pixels.image(frame)
+                if self._frame is None:
+                    self._jumped(image, t_us)
+                    continue
+                if start_us is None:
+                    start_us = self._t_us
+                self._follow(image, t_us, start_us, NO_LIMITS, nothing)
+                self._frame, self._t_us = image, t_us
+        except BaseException:
+            self._pixels.abandon()
+            raise
+        if start_us is None:
+            return np.empty(0, EVENT)
+        drawn = self._drawn(start_us, self._t_us, NO_LIMITS)
+        self._intervals += 1
+        return self.report(drawn)
 
     def stream(self, frames: Iterable[tuple[ArrayLike, int]]) -> Iterator[Events]:
         """The events of `advance` for each (frame, t_us), one after the other.
@@ -201,24 +233,30 @@ class Simulator:
         report()
         yield from done
 
-    def _drawn(self, image: Image, t_us: int, limits: Limits, meanwhile: Callable[[], None]) -> Drawn:
-        """All pixels at the next frame. Raises ValueError, with nothing changed or done; GivenUpError."""
+    def _follow(
+        self, image: Image, t_us: int, start_us: int, limits: Limits, meanwhile: Callable[[], None]
+    ) -> None:
+        """Take the pixels to the next frame; events are timed from start_us. Raises ValueError, with nothing
+        changed or done; GivenUpError."""
         assert self._frame is not None
         span_us = t_us - self._t_us
         if span_us <= 0:
             raise ValueError(f"the frame at {t_us} us does not come after the last one at {self._t_us} us")
-        if span_us > LONGEST_INTERVAL_US:
-            raise ValueError(f"{span_us / 3.6e9:.0f} hours between two frames: at most 38 are possible")
+        if (whole_us := t_us - start_us) > LONGEST_INTERVAL_US:
+            raise ValueError(f"{whole_us / 3.6e9:.0f} hours between two frames: at most 38 are possible")
         if self._threads == 1 or self._stages.feed_back:
             meanwhile()
             meanwhile = nothing
         self._pixels.limits = limits
         self._pixels.look(self._frame, image, float(span_us))
-        self._steps(self._frame, image, span_us, limits.coarser, meanwhile)
+        self._steps(self._frame, image, start_us, span_us, limits.coarser, meanwhile)
+
+    def _drawn(self, start_us: int, end_us: int, limits: Limits) -> Drawn:
+        """What the pixels have drawn since start_us. Raises GivenUpError."""
         light = self._pixels.light if self._stages.see_light else NO_PLANE
         if self._threads > 1:
             light = light.copy()
-        return Drawn(self._pixels.take_keys(), self._t_us, t_us, self._intervals, light, limits)
+        return Drawn(self._pixels.take_keys(), start_us, end_us, self._intervals, light, limits)
 
     def report(self, drawn: Drawn | None) -> Events:
         """The other half of `advance`: the events of what was drawn that leave the camera, in the order of
@@ -285,13 +323,14 @@ class Simulator:
         }
 
     def _steps(
-        self, before: Image, after: Image, span_us: int, coarser: float, meanwhile: Callable[[], None]
-    ) -> None:
+        self, before: Image, after: Image, start_us: int, span_us: int, coarser: float,
+        meanwhile: Callable[[], None],
+    ) -> None:  # fmt: skip
         """The interval in steps that are short enough for every effect; light goes in a straight line."""
         steps = min(max(1, math.ceil(span_us / (self._pixels.longest_step_us * coarser))), span_us)
-        start = 0
+        begin, offset = 0, self._t_us - start_us
         for step in range(1, steps + 1):
             end = span_us * step // steps  # whole microseconds, so that effects agree on where steps meet
-            share = end / span_us if step < steps else 1.0
-            self._pixels.step(before, after, share, self._t_us, float(start), float(end - start), meanwhile)
-            start, meanwhile = end, nothing
+            share, span = (end / span_us if step < steps else 1.0), float(end - begin)
+            self._pixels.step(before, after, share, start_us, float(offset + begin), span, meanwhile)
+            begin, meanwhile = end, nothing

@@ -133,7 +133,8 @@ def filmed(footage: Footage, scene: Scene, parameters: Parameters, seed: int) ->
     pixels near a threshold, and those that noise of the frames takes there, fire first and not again."""
     model, begin_us = MODELS["exact"](footage.width, footage.height, parameters, seed), int(scene.t_us[0])
     filming_us = round(LEAD_IN_FRAMES * parameters.aps_coupling.frame_period_us)
-    run_up(model, scene.images, scene.t_us.tolist(), LEAD_IN_US, filming_us)
+    for image, t_us in run_up(scene.images, scene.t_us.tolist(), LEAD_IN_US, filming_us):
+        model.advance(image, t_us)
     events = simulate(model, scene)
     kept: Events = events[events["t"] > begin_us]
     return kept

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from voltcam_simulator import EVENT, Parameters, Simulator
+from voltcam_simulator import Parameters, Simulator
 
 from ..light.scene import Scene, scene_of
 from .estimates import likelihood_parameters
@@ -119,7 +119,6 @@ def with_wandering_light(
 def twin(retaken: Retaken, parameters: Parameters, seed: int) -> NDArray[np.void]:
     """Events (EVENT) of the model that sees the light."""
     simulator = Simulator(retaken.scene.width, retaken.scene.height, parameters, seed=seed)
-    found = [simulator.advance(image, t_us) for image, t_us in retaken.light]
-    events = np.concatenate([np.empty(0, EVENT), *found])
+    events = simulator.advance_along(retaken.light)
     later: NDArray[np.void] = events[events["t"] >= retaken.scene.t_us[0]]
     return later

@@ -135,7 +135,12 @@ def session_of(
     camera = camera.model_copy(update={"width": recording.width, "height": recording.height})
     parameters = counted_from(camera.parameters, origin)
     columns = sample(recording, settings, parameters.longest_step_us)
-    scene = best_scene(recording.frames, recording.frame_t_us, columns, settings.noisy_dn2)
+    sensor = whole_sensor(recording, settings, rig_settings, seed)
+    scene = (
+        sensor.scene.in_columns(columns)
+        if len(sensor.footage.frames) == len(recording.frames)
+        else best_scene(recording.frames, recording.frame_t_us, columns, settings.noisy_dn2)
+    )
     part = in_columns(recording, columns)
     setting = setting_of(
         scene, recording.frame_t_us, None, recording.exposure_us, parameters, known_light(scene, part.events)
@@ -158,21 +163,17 @@ def session_of(
             else:
                 wanted.append(entry.tuned(rig, parameters, one, part.events))
     return Session(
-        name, part, whole_sensor(recording, settings, rig_settings, seed, scene), camera, camera,
-        inspection.health, columns, rig, rig.observe(part.events), tuple(wanted),
+        name, part, sensor, camera, camera, inspection.health, columns, rig, rig.observe(part.events),
+        tuple(wanted),
         tuple(dict.fromkeys(one.effect for one in left_out)), seed, origin,
     )  # fmt: skip
 
 
 def whole_sensor(
-    recording: Footage, settings: RecordingSettings, rig_settings: RigSettings, seed: int,
-    known: Scene | None = None,
-) -> WholeSensor:  # fmt: skip
-    """All columns of a recording, from its beginning, as long as its light fits into memory. known: the scene
-    of some of its columns, or of all."""
+    recording: Footage, settings: RecordingSettings, rig_settings: RigSettings, seed: int
+) -> WholeSensor:
+    """All columns of a recording, from its beginning, as long as its light fits into memory."""
     frames = min(len(recording.frames), max(2, settings.most_whole_samples // recording.frames[0].size))
-    if known is not None and known.taken.shape == recording.frames[:frames].shape:
-        return WholeSensor(recording, lambda: known, rig_settings, seed)
     t_us, events = recording.frame_t_us[:frames], recording.events
     part = replace(
         recording,

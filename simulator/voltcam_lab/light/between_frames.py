@@ -63,15 +63,7 @@ def scene_between(
     if curved.trusted().mean() > WELL_SAMPLED:
         return curved
     moved = filled(frames, "auto")  # motion is seen in whole frames
-    return min(curved, moved if columns is None else _in_columns(moved, columns), key=doubt)
-
-
-def _in_columns(scene: Scene, columns: NDArray[np.int64]) -> Scene:
-    """Some columns of it, with the surprise of the whole: their own would come from narrow strips."""
-    surprise = scene.surprise.reshape(len(scene.taken), scene.height, scene.width)[:, :, columns]
-    part = replace(scene, taken=scene.taken[:, :, columns], images=scene.images[:, :, columns])
-    part.__dict__["surprise"] = surprise.reshape(len(scene.taken), -1)
-    return part
+    return min(curved, moved if columns is None else moved.in_columns(columns), key=doubt)
 
 
 def calmed(scene: Scene) -> Scene:

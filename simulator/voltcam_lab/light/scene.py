@@ -158,6 +158,21 @@ class Scene:
         """The same scene, and what rounding its frames has hidden."""
         return self._with(rounding=rounding)
 
+    def in_columns(self, columns: NDArray[np.int64]) -> "Scene":
+        """Some of its columns, ascending, with the surprise of the whole: their own would come from narrow
+        strips."""
+        if len(columns) == self.width:
+            return self
+        surprise = self.surprise.reshape(len(self.taken), self.height, self.width).take(columns, axis=2)
+        part = replace(
+            self,
+            taken=self.taken.take(columns, axis=2),
+            images=self.images.take(columns, axis=2),
+            rounding=None if self.rounding is None else self.rounding.take(columns, axis=3),
+        )
+        part.__dict__["surprise"] = surprise.reshape(len(self.taken), -1)
+        return part
+
     def later(self, by_us: float) -> "Scene":
         """The same scene, later by whole microseconds."""
         us = round(by_us)

@@ -1,7 +1,5 @@
 """What a sensor has seen before a recording begins."""
 
-from unittest.mock import create_autospec
-
 import numpy as np
 import pytest
 
@@ -20,10 +18,8 @@ def test_a_camera_has_seen_backwards_what_comes(
 ) -> None:
     """Images 0 to 3, whose grey levels are their numbers."""
     images = np.broadcast_to(np.arange(4, dtype=np.float32)[:, None, None], (4, 2, 2))
-    simulator = create_autospec(Simulator, instance=True)
-    run_up(simulator, images, [0, 100, 250, 300], lead_in_us, there_us)
-    shown = [(int(call.args[0][0, 0]), call.args[1]) for call in simulator.advance.call_args_list]
-    assert shown == wanted
+    shown = run_up(images, [0, 100, 250, 300], lead_in_us, there_us)
+    assert [(int(image[0, 0]), t_us) for image, t_us in shown] == wanted
 
 
 def test_pixels_of_a_moving_scene_do_not_begin_as_those_of_a_still_one() -> None:
@@ -35,8 +31,8 @@ def test_pixels_of_a_moving_scene_do_not_begin_as_those_of_a_still_one() -> None
     first_us = []
     for lead_in_us in (0, 500_000):
         simulator = Simulator(12, 12, parameters, seed=1)
-        run_up(simulator, images, t_us.tolist(), lead_in_us)
-        events = np.concatenate([simulator.advance(*one) for one in zip(images, t_us.tolist(), strict=True)])
+        simulator.advance_along(run_up(images, t_us.tolist(), lead_in_us))
+        events = simulator.advance_along(zip(images, t_us.tolist(), strict=True))
         events = events[(events["t"] > 0) & events["p"]]
         pixel = events["y"].astype(int) * 12 + events["x"]
         first_us.append(np.median(events["t"][np.unique(pixel, return_index=True)[1]]))

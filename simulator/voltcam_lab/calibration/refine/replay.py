@@ -6,7 +6,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from voltcam_simulator import EVENT, Parameters, Simulator
+from voltcam_simulator import Parameters, Simulator
 from voltcam_simulator.effect import Events
 
 from ...distances import Region
@@ -43,10 +43,7 @@ class Replay:
         """What a camera gives out, at the pixels' own places."""
         height, columns = self.x.shape
         simulator = Simulator(columns, height, parameters, "exact", seed)
-        parts = [np.empty(0, EVENT)]
-        for image, t_us in zip(self.images, self.t_us.tolist(), strict=True):
-            parts.append(simulator.advance(image, t_us))
-        events = np.concatenate(parts)
+        events = simulator.advance_along(zip(self.images, self.t_us.tolist(), strict=True))
         x = self.x[events["y"], events["x"]]
         events["x"] = np.maximum(x, 0)
         kept: Events = events[x >= 0]

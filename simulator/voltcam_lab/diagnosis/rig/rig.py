@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from voltcam_simulator import EVENT, Parameters, Simulator
+from voltcam_simulator import Parameters, Simulator
 
 from ...models.run_up import run_up
 from ...statistics import COUNTS, Setting, Values, observe
@@ -113,11 +113,9 @@ class Rig:
         simulator = Simulator(columns.stop - left, scene.height, parameters, seed=seed)
         lights = self.noisier_lights if noisier else self.lights
         images, times_us = lights[0][:, :, columns], lights[1]
-        run_up(simulator, images, times_us, self.settings.lead_in_us, lead_in_us(parameters))
-        found = [simulator.advance(image, t_us) for image, t_us in zip(images, times_us, strict=True)]
-        found.append(simulator.advance(images[-1], times_us[-1] + self.settings.lead_out_us))
-        as_bytes = np.concatenate([events.view(np.uint8) for events in found])  # numpy joins records slowly
-        return as_bytes.view(EVENT)
+        simulator.advance_along(run_up(images, times_us, self.settings.lead_in_us, lead_in_us(parameters)))
+        end = images[-1], times_us[-1] + self.settings.lead_out_us
+        return simulator.advance_along([*zip(images, times_us, strict=True), end])
 
     def runs(
         self, many: Sequence[Parameters], seeds: Sequence[int], apart: bool = False, noisier: bool = False

@@ -3,12 +3,12 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import chain, islice, starmap, takewhile
+from itertools import chain, islice, takewhile
 
 import numpy as np
 from numpy.typing import NDArray
 
-from voltcam_simulator import EVENT, Parameters, Simulator
+from voltcam_simulator import Parameters, Simulator
 from voltcam_simulator.effect import Events
 
 from ...dependence.clock import clock_of
@@ -133,10 +133,9 @@ class WholeSensor:
         light, run_up_us = light_behind(scene, version, self.settings), self.settings.lead_in_us
         head = list(islice(light, int(np.searchsorted(scene.t_us, scene.t_us[0] + run_up_us)) + 1))
         images, times_us = zip(*head, strict=True)
-        run_up(simulator, images, times_us, run_up_us, lead_in_us(parameters))
+        simulator.advance_along(run_up(images, times_us, run_up_us, lead_in_us(parameters)))
         seen = takewhile(lambda one: one[1] <= until_us, chain(head, light))
-        events = np.concatenate([np.empty(0, EVENT), *starmap(simulator.advance, seen)])
-        return self._known.where(events)
+        return self._known.where(simulator.advance_along(seen))
 
     def difference(self, parameters: Parameters, run: int) -> float:
         """How far a run with these parameters is from the recording, by all pixels and in any light, known or
