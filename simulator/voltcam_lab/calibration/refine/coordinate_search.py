@@ -25,6 +25,10 @@ WIDE = 0.08  # of a logarithm, to either side: over that slopes are taken
 STAYING = 0.03  # residual of a factor of e: a coordinate that changes nothing stays where it is
 FAR = 1e3  # residual of what is no camera
 HALVINGS = 6  # of a factor of 2: to 1 %
+SLOWER = {
+    "cutoff_hz": 2e6,
+    "follower_hz": 1e6,
+}  # us, over 2 pi f: how late a pole is, half as bright as white
 BENDS = ((1.0, 1.0), (0.6, 2.5), (0.6, 5.0))  # factors of gamma, and of the knee
 
 
@@ -190,8 +194,11 @@ class CoordinateSearch:
             if name in kept:
                 continue
             self.report(f"refine: {name}")
-            tries = [(self.score(tried), tried) for tried in (self._with(point, name, x) for x in values)]
-            value, tried = min(tries, key=lambda each: each[0])
+            changed = [self._with(point, name, x) for x in values]
+            if name in SLOWER:  # contrast that comes too fast is lost: the gain makes up for it
+                moving = self._moving(point)
+                changed = [self._making(moving, tried) for tried in changed]
+            value, tried = min(((self.score(tried), tried) for tried in changed), key=lambda each: each[0])
             if value < best * 1.05:  # what stands in its place is in the way
                 tried, value = self.moved(tried, (name, "gain"), 0.2, 2, value)
             if value >= best * BETTER:
@@ -209,8 +216,8 @@ class CoordinateSearch:
         if name == "knee_dn":
             return with_curvature(point, point["gamma"], value)
         changed = point | {name: value}
-        if name == "cutoff_hz":
-            slower_us = 2e6 / (2 * math.pi) * (1 / value - 1 / (point[name] or math.inf))
+        if name in SLOWER:
+            slower_us = SLOWER[name] / (2 * math.pi) * (1 / value - 1 / (point[name] or math.inf))
             changed["delay_us"] = point["delay_us"] - slower_us
         return changed
 

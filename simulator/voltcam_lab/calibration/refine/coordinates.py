@@ -12,6 +12,7 @@ from ...light.grey import WHITE_DN
 from ...models.exact import K1_TO_K6, SPREADS
 
 LEAST_KNEE_DN = 1e-3  # above the pedestal: where it is less, there is no such camera
+FASTEST_HZ = 1e5  # of a photoreceptor that has a follower and no other limit
 DARKEST_TOLD_DN = 4.0  # grey levels below that are near a camera's black, where they tell least of the light
 
 Point = Mapping[str, float]
@@ -26,6 +27,7 @@ OFFERED: tuple[tuple[str, tuple[float, ...]], ...] = (
     ("threshold_spread", (0.05, 0.12)),
     ("reset_spread", (0.03, 0.08)),
     ("coupling", (0.001, 0.003, 0.008)),
+    ("follower_hz", (300.0, 100.0, 30.0)),
     ("cutoff_hz", (1500.0, 500.0, 200.0)),
     ("k4_per_us", (1e-8, 1e-7)),
     ("k5_per_dn_us", (1e-10, 1e-9)),
@@ -53,6 +55,7 @@ PLACES = (
         "slack_dn": ("frame_noise", "slack_dn"),
         "coupling": ("crosstalk", "coupling"),
         "cutoff_hz": ("photoreceptor_bandwidth", "cutoff_hz"),
+        "follower_hz": ("photoreceptor_bandwidth", "follower_hz"),
         "shot_c": ("low_light_shot_noise", "c"),
         "pairs_hz": ("noise_pairs", "rate_hz"),
         "hot": ("hot_pixels", "fraction"),
@@ -81,6 +84,8 @@ def parameters_at(point: Point, base: Parameters) -> Parameters:
     changes: dict[str, dict[str, float]] = {}
     for name, (effect, parameter) in PLACES.items():
         changes.setdefault(effect, {})[parameter] = point[name]
+    if point["follower_hz"] > 0 and point["cutoff_hz"] == 0:
+        changes["photoreceptor_bandwidth"]["cutoff_hz"] = FASTEST_HZ
     gamma, ratio = point["gamma"], math.sqrt(point["on_over_off"])
     changes["contrast_response"] = {
         "k1": point["gain"] / gamma,

@@ -174,19 +174,21 @@ def test_what_neither_part_misses_goes_in_the_end() -> None:
     assert missed.without_needless(both, ("coupling", "reset_spread"))[1] == ("coupling", "reset_spread")
 
 
-def test_a_slower_front_end_takes_its_lag_from_the_delay() -> None:
-    """Two time constants 1 / (2 pi f), from then on only the change of them. A delay may be before 0."""
+@pytest.mark.parametrize(("pole", "time_constants"), [("cutoff_hz", 2), ("follower_hz", 1)])
+def test_a_slower_front_end_takes_its_lag_from_the_delay(pole: str, time_constants: int) -> None:
+    """1 / (2 pi f), twice that where light of half of white has half the bandwidth; from then on only the
+    change of it. A delay may be before 0."""
     seen: list[Point] = []
+    sizes = dict(OFFERED)[pole]
 
     def score(point: Point) -> float:
         seen.append(dict(point))
-        return 2.0 if point["cutoff_hz"] == 0 else 1.0 if point["cutoff_hz"] == 500 else 3.0
+        return 2.0 if point[pole] == 0 else 1.0 if point[pole] == sizes[1] else 3.0
 
     MadeSearch(score).offered(PLAIN | ABSENT)
-    delays = {point["cutoff_hz"]: point["delay_us"] for point in seen}
-    assert delays[1500] == pytest.approx(1000 - 2e6 / (2 * math.pi * 1500))
-    assert delays[500] == pytest.approx(1000 - 2e6 / (2 * math.pi * 500))
-    assert delays[200] == pytest.approx(1000 - 2e6 / (2 * math.pi * 200))
+    delays = {point[pole]: point["delay_us"] for point in seen}
+    for size in sizes:
+        assert delays[size] == pytest.approx(1000 - time_constants * 1e6 / (2 * math.pi * size))
 
 
 def test_noise_that_is_error_of_the_light_goes_first() -> None:

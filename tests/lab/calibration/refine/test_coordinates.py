@@ -44,6 +44,17 @@ def test_a_camera_that_comes_back_is_the_same_in_every_coordinate() -> None:
     assert again == pytest.approx(point)
 
 
+def test_a_follower_needs_no_other_limit() -> None:
+    """The effect has none without a cutoff: then there is one, out of reach, and it comes back."""
+    camera = parameters_at(point_of(START) | {"follower_hz": 90.0}, START)
+    assert camera.photoreceptor_bandwidth.active
+    assert camera.photoreceptor_bandwidth.follower_hz == 90
+    late_us = 1e6 / (2 * np.pi * camera.photoreceptor_bandwidth.cutoff_hz) * 275 / 20  # in the dark
+    assert late_us < 100
+    again = point_of(parameters_at(point_of(camera), camera))
+    assert again == pytest.approx(point_of(camera))
+
+
 def test_what_frames_do_is_seen_at_the_same_time_with_another_delay() -> None:
     camera = START.changed({"latency": {"delay_us": 1000.0}, "aps_coupling": {"offset_us": 700.0}})
     moved = parameters_at(point_of(camera) | {"delay_us": 1600.0}, camera)

@@ -15,7 +15,7 @@ from tests.lab.calibration.refine.made import (
 from voltcam_lab.calibration.refine.coordinates import ABSENT, PLACES, point_of, response
 from voltcam_lab.calibration.refine.refinement import Refined, Refinement
 from voltcam_lab.calibration.refine.replay import Replay
-from voltcam_lab.distances import Yardstick
+from voltcam_lab.distances import FrameLight, Region, Yardstick
 from voltcam_lab.distances.goal import Goal
 from voltcam_lab.light.scene import scene_of
 from voltcam_lab.models.model import MODELS, simulate
@@ -57,8 +57,9 @@ def test_what_was_not_looked_at_comes_closer(recording: Recording, refined: Refi
 def test_parameters_are_those_of_the_camera(refined: Refined) -> None:
     """One recording, one seed: tolerances are several times what other seeds differ by."""
     found = refined.parameters
-    cutoff_hz = found.photoreceptor_bandwidth.cutoff_hz
-    slower_us = 2e6 / (2 * np.pi * cutoff_hz) if cutoff_hz else 0.0
+    front_end = found.photoreceptor_bandwidth
+    cutoff_hz, follower_hz = front_end.cutoff_hz or np.inf, front_end.follower_hz or np.inf
+    slower_us = (2e6 / cutoff_hz + 1e6 / follower_hz) / (2 * np.pi)
     assert found.latency.delay_us + slower_us == pytest.approx(LATE_US)
     assert found.comparator.theta_on / found.comparator.theta_off == pytest.approx(1.44, rel=0.12)
     change = response(point_of(found), np.array([40.0, 160.0]))[1]  # however bent
@@ -74,6 +75,22 @@ def test_what_is_not_there_is_not_kept(refined: Refined) -> None:
         effect, parameter = PLACES[name]
         is_there = getattr(getattr(refined.parameters, effect), parameter) != absent
         assert is_there == (name in refined.kept), name
+
+
+def test_a_follower_that_is_as_slow_in_any_light_is_told_from_a_delay() -> None:
+    """Bars go by within 3 ms, at 1000 frames a second. START had a delay in place of the follower."""
+    t_us, x = np.arange(0, 400_001, 1000), np.arange(48)
+    phase = 2 * np.pi * (x / 24 - t_us[:, None] * 12e-6)
+    bars = np.tile((40 + 120 / (1 + np.exp(-6 * np.sin(phase))))[:, None], (1, 24, 1)).astype(np.float32)
+    truth = START.changed({"photoreceptor_bandwidth": {"cutoff_hz": 2e4, "follower_hz": 80}})
+    events = simulate(MODELS["exact"](48, 24, truth, 7), scene_of(bars, t_us, "linear"))
+    late_us = 1e6 / (2 * np.pi * 80)
+    found = Refinement(
+        events, scene_of(bars, t_us, "linear"), FrameLight(bars, t_us), Region.whole(48, 24, 0, 400_000), 1
+    ).refined(START.changed({"latency": {"delay_us": late_us}}), same_light=True)
+    assert "follower_hz" in found.kept
+    assert 60 < found.parameters.photoreceptor_bandwidth.follower_hz < 110
+    assert abs(found.parameters.latency.delay_us) < 0.3 * late_us
 
 
 def test_the_score_of_the_recording_is_nothing(recording: Recording) -> None:
