@@ -178,21 +178,19 @@ class Simulator:
         """
         if self._stages.feed_back or self._stages.see_light:
             return np.concatenate([np.empty(0, EVENT), *starmap(self.advance, frames)])
-        start_us: int | None = None
+        path = iter(frames)
+        if self._frame is None and (first := next(path, None)):
+            self._jumped(self._pixels.image(first[0]), first[1])
+        start_us = self._t_us
         try:
-            for frame, t_us in frames:
+            for frame, t_us in path:
                 image = self._pixels.image(frame)
-                if self._frame is None:
-                    self._jumped(image, t_us)
-                    continue
-                if start_us is None:
-                    start_us = self._t_us
                 self._follow(image, t_us, start_us, NO_LIMITS, nothing)
                 self._frame, self._t_us = image, t_us
         except BaseException:
             self._pixels.abandon()
             raise
-        if start_us is None:
+        if self._t_us == start_us:
             return np.empty(0, EVENT)
         drawn = self._drawn(start_us, self._t_us, NO_LIMITS)
         self._intervals += 1
