@@ -70,7 +70,7 @@ def count_pieces(bow: Any, drift: Any, rate: Any, q: Any, span_us: Any, pieces: 
         pieces[k] = q[k] * (_TAIL + math.sqrt(_HALF * abs(bow[k]) / (depth(rate[k]) * allowed)))
     most = _1
     for k in range(pieces.shape[0]):
-        needed = min(max(pieces[k], _1), _MOST_PIECES)
+        needed = min(pieces[k], _MOST_PIECES) if pieces[k] > _1 else _1  # 1 also for NaN: it becomes a place
         whole = np.float32(np.int32(needed))
         pieces[k] = whole if whole == needed else whole + _1
         most = max(most, pieces[k])

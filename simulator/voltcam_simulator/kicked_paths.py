@@ -117,8 +117,8 @@ def kick(
     paths: Any, pixel: Any, t: Any, size: Any, events: Any, end: Any, on: Any, off: Any, dead: Any
 ) -> Any:
     """Kick a pixel that was followed to t: the sign of the event that this sets off, or 0."""
-    if paths.last_us[pixel] + dead > t + 1:
-        return 0  # held
+    if paths.last_us[pixel] + dead > t + 1 or on == np.inf:
+        return 0  # held, or dead: the events it still has are of before
     raised = without_kicks(paths, pixel, t, events, end, on, off) + paths.offset[pixel] + size
     if -off < raised < on:
         paths.offset[pixel] += size

@@ -6,11 +6,12 @@ import numpy as np
 
 from ..effect import About, Band, Effect, quantity
 from ..plane_kernels import add
+from .input_response import MOST_LIGHT_DN
 from .junction_leak import REFERENCE_C
 
 
 class DarkCurrent(Effect):
-    """dark_dn more light on every pixel, twice as much for each doubling_c degrees above 25 C.
+    """dark_dn more light on every pixel, twice as much for each doubling_c degrees above 25 C, 1e6 DN at most.
 
     It comes on top of k2, which is fixed: the dark current of the camera when k2 was fitted is in there.
     """
@@ -36,4 +37,4 @@ class DarkCurrent(Effect):
 
     def see(self, band: Band) -> None:
         doublings = (band.temperature_c - REFERENCE_C) / self.doubling_c
-        band.apply(add, band.light, np.float32(self.dark_dn * 2**doublings))
+        band.apply(add, band.light, np.float32(min(self.dark_dn * 2**doublings, MOST_LIGHT_DN)))

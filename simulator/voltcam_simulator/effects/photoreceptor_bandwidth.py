@@ -59,7 +59,7 @@ class PhotoreceptorBandwidth(Effect):
                 band.apply(copy, band.response, plane)
             return
         radians = 2e-6 * math.pi * band.span_us
-        per_dn = np.float32(radians * self.cutoff_hz / (self.reference_dn + self.dark_dn))
+        per_dn = np.float32(min(radians * self.cutoff_hz / (self.reference_dn + self.dark_dn), MOST_PER_DN))
         before = [band.copied(plane) for plane in (input_, photoreceptor)] if self.follower_hz > 0 else []
         band.apply(
             low_pass, band.light_before, band.light, np.float32(self.dark_dn), per_dn, input_, photoreceptor,
@@ -74,6 +74,11 @@ class PhotoreceptorBandwidth(Effect):
 
 
 _1, _2, _4, _HALF, _1_6TH, _1_360TH = (np.float32(v) for v in (1, 2, 4, 1 / 2, 1 / 6, 1 / 360))
+SLOWEST, FASTEST = np.float32(1e-12), np.float32(1e6)
+"""Time constants in a step: a slower pole does not move, a faster one follows at once. Products of what lies
+between are numbers in single precision."""
+MOST_PER_DN = 1e25
+"""The same for the brightest light there is, 1e12 DN."""
 NEARLY_STRAIGHT = 0.01
 """Time constants in a step below which the first pole's output is taken as straight: off by an eighth of that
 of its way, at most."""
@@ -93,7 +98,8 @@ def low_pass(
 ) -> None:  # fmt: skip
     """One step of the first pole; response is the input and becomes the output. bow, rate: see `Bend`."""
     for i in range(response.shape[0]):
-        a0, a1 = per_dn * (before[i] + dark), per_dn * (light[i] + dark)
+        a0 = min(max(per_dn * (before[i] + dark), SLOWEST), FASTEST)
+        a1 = min(max(per_dn * (light[i] + dark), SLOWEST), FASTEST)
         a = mean_rate(a0, a1)
         q = fading(a)
         left = _1 - q
@@ -126,6 +132,6 @@ def follow(
             passed = b * (left - decay) / (b - a)
         line0, line1 = v0 - transient, v1 - transient * left
         w1 = line1 - mean * (line1 - line0) + decay * (w0 - line0) + transient * passed
-        both = a * b / (a + b)
+        both = max(a * b / (a + b), SLOWEST)
         bow[i], rate[i] = -depth(both) * (w0 - u0 + way / both), both
         follower[i], response[i] = w1, w1
