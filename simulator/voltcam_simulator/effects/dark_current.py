@@ -11,9 +11,10 @@ from .junction_leak import REFERENCE_C
 
 
 class DarkCurrent(Effect):
-    """dark_dn more light on every pixel, twice as much for each doubling_c degrees above 25 C, 1e6 DN at most.
+    """dark_dn more light on every pixel, twice as much for each doubling_c degrees above 25 C.
 
     It comes on top of k2, which is fixed: the dark current of the camera when k2 was fitted is in there.
+    It is 1e6 DN at most.
     """
 
     about: ClassVar[About] = "pixel"

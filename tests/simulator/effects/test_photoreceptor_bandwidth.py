@@ -149,3 +149,45 @@ def test_a_new_image_after_a_jump_or_a_change_of_parameters_has_no_past() -> Non
     assert len(simulator.advance(still(10, SIDE, SIDE), 100_000)) == 0
     simulator.parameters = parameters.changed({"photoreceptor_bandwidth": {"follower_hz": 10}})
     assert len(simulator.advance(still(10, SIDE, SIDE), 200_000)) == 0
+
+
+@pytest.mark.parametrize(
+    "fast",
+    [
+        {"cutoff_hz": 1e5, "reference_dn": 0, "dark_dn": 1e-300},
+        {"cutoff_hz": 1e5, "reference_dn": 0, "dark_dn": 1e-300, "follower_hz": 1e6},
+    ],
+)
+def test_the_fastest_that_can_be_asked_for_follows_at_once(fast: dict[str, float]) -> None:
+    without = net_after_a_step(contrast_response={"k1": K1})
+    with_it = net_after_a_step(contrast_response={"k1": K1}, photoreceptor_bandwidth=fast)
+    np.testing.assert_allclose(with_it, without, atol=1)
+
+
+@pytest.mark.parametrize("slow", [{"cutoff_hz": 1e-300}, {"cutoff_hz": 1e5, "follower_hz": 1e-300}])
+def test_the_slowest_does_not_move(slow: dict[str, float]) -> None:
+    assert not net_after_a_step(contrast_response={"k1": K1}, photoreceptor_bandwidth=slow).any()
+
+
+def test_the_hottest_dark_current_hides_the_light() -> None:
+    hot = {"dark_dn": 1e4, "doubling_c": 1}
+    for bandwidth in ({"cutoff_hz": 300}, {"cutoff_hz": 1e5, "dark_dn": 1e4, "follower_hz": 100}):
+        parameters = only(
+            contrast_response={"k1": K1}, dark_current=hot, photoreceptor_bandwidth=bandwidth,
+            temperature_drift={"amplitude_c": 80, "period_s": 0.05},
+        )  # fmt: skip
+        simulator = Simulator(SIDE, SIDE, parameters, seed=1)
+        for k in range(60):
+            simulator.advance(still((k % 5) * 60, SIDE, SIDE), k * 17_000)
+            assert np.isfinite(simulator.snapshot()["voltage"]).all()
+
+
+def net_after_a_step(**changes: object) -> NDArray[np.int64]:
+    """Net events of each pixel in 0.1 s after light goes from nothing to white."""
+    simulator = Simulator(SIDE, SIDE, only(**changes), seed=1)
+    net = np.zeros((SIDE, SIDE), np.int64)
+    for grey, t_us in ((0, 0), (0, 100_000), (255, 110_000), (255, 200_000)):
+        events = simulator.advance(still(grey, SIDE, SIDE), t_us)
+        np.add.at(net, (events["y"], events["x"]), np.where(events["p"], 1, -1))
+        assert np.isfinite(simulator.snapshot()["voltage"]).all()
+    return net

@@ -52,3 +52,17 @@ def test_corner_and_single_pixels_have_no_more_neighbours_than_they_have() -> No
         assert events["y"].max() < height
         at_once = np.bincount(np.unique(events["t"], return_inverse=True)[1]).max()
         assert at_once <= width * height
+
+
+def test_a_pixel_that_dies_with_an_event_on_the_way_keeps_a_voltage() -> None:
+    """It is a pixel again when it is brought back to life."""
+    alive = only(
+        junction_leak={"k4_per_us": 1e-5},
+        noise_pairs={"rate_hz": 100, "half_dn": 1e5, "interval_us": 20_000},
+        residual_coupling={"after_on": 0.3, "after_off": -0.3, "delay_us": 3000},
+    )  # fmt: skip
+    simulator = Simulator(40, 40, alive, seed=3)
+    for k in range(4):
+        simulator.parameters = alive.changed({"dead_pixels": {"fraction": 0.5 * (k == 2)}})
+        simulator.advance(np.full((40, 40), 100, np.float32), k * 20_000)
+        assert np.isfinite(simulator.snapshot()["voltage"]).all()
