@@ -78,7 +78,7 @@ SLOWEST, FASTEST = np.float32(1e-12), np.float32(1e6)
 """Time constants in a step: a slower pole does not move, a faster one follows at once. Products of what lies
 between are numbers in single precision."""
 MOST_PER_DN = 1e25
-"""The same for the brightest light there is, 1e12 DN."""
+"""Time constants in a step for each DN: a number in single precision also in the brightest light, 1e12 DN."""
 NEARLY_STRAIGHT = 0.01
 """Time constants in a step below which the first pole's output is taken as straight: off by an eighth of that
 of its way, at most."""

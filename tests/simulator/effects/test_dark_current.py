@@ -39,3 +39,16 @@ def test_it_follows_a_drifting_temperature() -> None:
     drifting = only(dark_current={"dark_dn": 4}, temperature_drift={"rate_c_per_s": 1.6})
     # doubles in 5 s and again in the next: the mean of 4 * 2^(t/5) over 10 s
     assert light_dn(drifting, 0) == pytest.approx(4 * 3 / (2 * math.log(2)), rel=0.01)
+
+
+def test_it_is_a_million_at_most_however_warm() -> None:
+    counts = []
+    for dark_dn, first in ((1e4, 0.0), (0.0, 1e6)):
+        parameters = only(
+            contrast_response={"k1": 1000}, comparator={"theta_on": 0.01},
+            dark_current={"dark_dn": dark_dn, "doubling_c": 1},
+        )  # fmt: skip
+        simulator = Simulator(20, 20, parameters.changed({"temperature_c": 100}), seed=1)
+        simulator.advance(still(first, 20, 20), 0)
+        counts.append(len(simulator.advance(still(first + 255, 20, 20), 1000)))
+    assert counts[0] == counts[1] > 0

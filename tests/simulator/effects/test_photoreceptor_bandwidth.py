@@ -169,7 +169,7 @@ def test_the_slowest_does_not_move(slow: dict[str, float]) -> None:
     assert not net_after_a_step(contrast_response={"k1": K1}, photoreceptor_bandwidth=slow).any()
 
 
-def test_the_hottest_dark_current_hides_the_light() -> None:
+def test_voltages_stay_numbers_in_the_hottest_dark_current() -> None:
     hot = {"dark_dn": 1e4, "doubling_c": 1}
     for bandwidth in ({"cutoff_hz": 300}, {"cutoff_hz": 1e5, "dark_dn": 1e4, "follower_hz": 100}):
         parameters = only(
