@@ -2,7 +2,7 @@
 
 import base64
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import wraps
 from pathlib import Path
 from typing import Any, Literal, ParamSpec
@@ -17,13 +17,14 @@ P = ParamSpec("P")
 # Okabe and Ito's colours, told apart by every kind of colour vision; ON and OFF as on the daemon's page.
 BLACK, ORANGE, SKY, GREEN = "#000000", "#e69f00", "#56b4e9", "#009e73"
 BLUE, VERMILION, PURPLE, WINE = "#0072b2", "#d55e00", "#cc79a7", "#882255"
+OLIVE = "#999933"  # this and wine: Paul Tol's, of the same kind
 ON, OFF, REAL = BLUE, VERMILION, "#3a3f45"
 ON_OFF = LinearSegmentedColormap.from_list("on_off", [VERMILION, "#f6c7a6", "#ffffff", "#a3cbe6", BLUE])
 _MODELS = {
     "exact": BLUE, "paper": PURPLE, "esim": GREEN, "v2e": ORANGE, "no noise": SKY,
-    "paper, thresholds fitted": VERMILION, "paper, as published": WINE,
+    "exact, by likelihood alone": OLIVE, "paper, thresholds fitted": VERMILION, "paper, as published": WINE,
 }  # fmt: skip
-_OTHERS = (SKY, VERMILION, WINE, BLACK)
+_OTHERS = (SKY, VERMILION, WINE, BLACK, OLIVE, GREEN, ORANGE, PURPLE, BLUE)
 
 STYLE: Any = {  # rc_context wants every name as a literal
     "font.family": "DejaVu Sans",
@@ -66,10 +67,16 @@ def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
     return drawn
 
 
-def colours(names: list[str]) -> dict[str, str]:
-    """A colour for each model, the same in every figure for those of the same names."""
-    free = iter(_OTHERS * len(names))
-    return {name: _MODELS.get(name) or _MODELS.get(name.split(",")[0]) or next(free) for name in names}
+def colours(names: Sequence[str]) -> dict[str, str]:
+    """A colour for each model, no two alike among nine. What precedes a comma has its own in every figure; a
+    second model of that kind has one of its own if it is known, or one that is left."""
+    found = {name: _MODELS[name] for name in names if name in _MODELS}
+    for name in names:
+        kind = _MODELS.get(name.split(",")[0])
+        left = [one for one in _OTHERS if one not in found.values()] or _OTHERS
+        if name not in found:
+            found[name] = kind if kind and kind not in found.values() else left[0]
+    return {name: found[name] for name in names}
 
 
 def save(figure: Figure, path: Path) -> None:

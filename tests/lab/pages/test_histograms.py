@@ -1,5 +1,6 @@
 """Interval histograms: each panel has its own thirds."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -42,3 +43,15 @@ def test_a_stream_without_intervals_is_drawn_flat() -> None:
         real, {"none": same_polarity(some_events(1)[:0], REGION)}, IntervalStrata.of(real, light())
     )
     assert with_data(figure) == 9
+
+
+def test_a_model_with_all_in_one_place_does_not_flatten_the_others() -> None:
+    real = same_polarity(some_events(1), REGION)
+    strata = IntervalStrata.of(real, light())
+    alike = replace(real, decades=np.full_like(real.decades, 4.0))
+    shown = [interval_histograms(real, models, strata).get_axes() for models in ({}, {"regular": alike})]
+    for alone, beside in zip(*shown, strict=True):
+        (bars,) = [patch for patch in alone.patches if isinstance(patch, StepPatch)]
+        highest = np.max(bars.get_data().values)
+        assert beside.get_ylim() == alone.get_ylim()
+        assert beside.get_ylim()[1] >= 2 * highest
