@@ -27,7 +27,7 @@ STUDY ?=
 # Of docs: a warning is an error, and all are told. All pages are made anew, since code may have changed.
 STRICT := --fresh-env --nitpicky --fail-on-warning --keep-going --quiet
 
-.PHONY: run test check docs docs-serve format dist clean hidden-effects patches soak fuzz v4l2 interop
+.PHONY: run test check docs docs-serve format dist clean hidden-effects patches ranges soak fuzz v4l2 interop
 .PHONY: calibration-table dataset-campaign study-reconstruction pairs presets
 
 run: .venv/installed-server
@@ -90,6 +90,10 @@ dataset-campaign: .venv/installed-dev
 
 patches: .venv/installed-dev
 	$(BIN)/python -m tests.campaigns.patches --count $(COUNT) $(if $(SEED),--seed $(SEED))
+
+# The same changes without a daemon around the simulator, which looks at every number that it keeps.
+ranges: .venv/installed-dev
+	$(BIN)/python -m tests.campaigns.ranges --count $(COUNT) $(if $(SEED),--seed $(SEED))
 
 # Debian's kernel in QEMU with its test camera, unplugged and plugged in again; says so where that cannot be had.
 v4l2: .venv/installed-dev

@@ -26,18 +26,27 @@ class BandStepper:
             for stage in ("see", "respond", "drift")
         )
 
+    @property
+    def instant(self) -> bool:
+        """Whether several steps may be seen in one call."""
+        return all(effect.instant for effect in (*self._see, *self._respond, *self._drift))
+
     def see(self, state: BandState, image: Image, start_us: int, span_us: float, elapsed_us: float) -> Band:
         """A band at the end of a step: light and response there. image (pixels,): the whole sensor's."""
         band = state.band
         band.start_us, band.span_us, band.elapsed_us = start_us, span_us, elapsed_us
         band.light[:] = image[state.first_pixel : state.first_pixel + band.light.size]
+        self.respond(band)
+        return band
+
+    def respond(self, band: Band) -> None:
+        """From the light of an image, which the band has, to the light and response that its effects give."""
         band.response.fill(0)
         band.is_bent = False
         for effect in self._see:
             effect.see(band)
         for effect in self._respond:
             effect.respond(band)
-        return band
 
     def add_drift(self, band: Band) -> None:
         """Drift and noise of a step, of all effects but the response."""

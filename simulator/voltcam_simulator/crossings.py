@@ -27,8 +27,8 @@ def cross(
     step, reset = Step(key, span_us, offset_us, first_pixel, width), Reset(dead_us, sigma)
     kicks = Kicks(kick_times_us, kick_sizes, slack)
     paths, space, written, count = fresh_paths(), fresh_space(), 0, straight.shape[0]
-    paths.begin_us[:] = 0.0
-    paths.end_us[:] = span_us
+    paths.begin_us[: min(count, BLOCK)] = 0.0  # not more: a small sensor feels it
+    paths.end_us[: min(count, BLOCK)] = span_us
     for begin in range(first, count, BLOCK):
         block = straight[begin : min(begin + BLOCK, count)]
         done = cross_straight(block, paths, pixels, motion, step, reset, kicks, careful, space, keys, written)

@@ -224,6 +224,10 @@ class Effect(BaseModel):
     """True for one that adds the same in each microsecond while the frames stand still, whatever was before,
     and leaves voltages alone: when all that are on are steady, rows that stand still are drawn ahead."""
 
+    instant: ClassVar[bool] = False
+    """True for one that gives each pixel the same at any time and place: from its light, that before and its
+    leak alone. When all that act on pixels are instant, several steps are seen in one call."""
+
     feeds_back: ClassVar[bool] = False
     """True for one whose `report` changes the pixels' voltages."""
 

@@ -2,7 +2,7 @@
 
 import math
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from typing import Any
 
@@ -20,6 +20,7 @@ from .law import Law
 from .limits import Limits
 from .parameters import Parameters
 from .random import CROSSINGS, START, interval_key
+from .several_steps import SeveralSteps
 from .stationary import start_voltage
 from .still_rows import StillRows
 from .workspace import Keys, Workspace
@@ -62,7 +63,8 @@ class PixelArray:
     def configure(self, pattern: FixedPattern) -> None:
         """Take on parameters and what was laid down for them; the effects that stay on keep their state."""
         self._still.wake_all(self._bands)
-        self.sensor = sensor = pattern.sensor
+        self._pattern, self.sensor = pattern, pattern.sensor
+        sensor = self.sensor
         former = {effect.name: effect for effect in self.effects}
         self.effects = pattern.effects
         for effect in self.effects:
@@ -78,6 +80,10 @@ class PixelArray:
             self._held = np.zeros_like(self.voltage)
         self._stepper = BandStepper(self.law, pattern)
         self._divide()
+        at_once = self.law == "exact" and len(self._bands) == 1 and self._stepper.instant
+        at_once &= self.longest_step_us == math.inf
+        self.most_at_once = BAND_PIXELS // self.voltage.size if at_once else 1
+        self._several: SeveralSteps | None = None  # made when it is first needed
 
     def _divide(self) -> None:
         """Make the bands, over the planes and states as they are now."""
@@ -228,6 +234,26 @@ class PixelArray:
         self._still.pass_by(span_us)
         self._steps += 1
         self._elapsed_us += span_us
+
+    def steps_at_once(
+        self, images: Sequence[Image], times_us: Sequence[int], t_us: int, start_us: int
+    ) -> None:
+        """From the last image, at t_us, to these (height, width) at their times, `most_at_once` at most.
+
+        Events are timed from start_us.
+        """
+        self.limits.hurry()
+        self._still.wake_all(self._bands)
+        if self._several is None:
+            self._several = SeveralSteps(self._pattern, self._stepper, self.most_at_once)
+        state, workspace = self._bands[0], self._workspaces[0]
+        workspace.most_keys, workspace.limits = self.limits.most_events, self.limits
+        spans_us = np.diff(np.array([t_us, *times_us], np.float64))
+        self._several.draw(state, images, spans_us, float(t_us - start_us), self.seed, self._steps)
+        for span_us in spans_us.tolist():
+            self._still.pass_by(span_us)
+        self._steps += len(images)
+        self._elapsed_us += float(spans_us.sum())
 
     def _step(
         self, state: BandState, image: Image, key: np.uint64, start_us: int, offset_us: float, span_us: float

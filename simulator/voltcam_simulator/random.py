@@ -32,13 +32,14 @@ def mix(z: Any) -> Any:
 
 
 @kernel
-def _interval_key(seed: Any, stream: Any, interval: Any) -> Any:
+def key_of_interval(seed: Any, stream: Any, interval: Any) -> Any:
+    """`interval_key` for kernels; all uint64."""
     return mix(mix(seed * _GOLDEN + stream) + interval)
 
 
 def interval_key(seed: int, stream: np.uint64, interval: int) -> np.uint64:
     """The part of the key that all pixels share: seed and interval 0..2^64 - 1, stream one of the above."""
-    return np.uint64(_interval_key(np.uint64(seed), stream, np.uint64(interval)))
+    return np.uint64(key_of_interval(np.uint64(seed), stream, np.uint64(interval)))
 
 
 @kernel

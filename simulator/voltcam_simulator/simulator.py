@@ -16,7 +16,7 @@ from .fixed_pattern import FixedPattern
 from .law import Law
 from .limits import GivenUpError, Limits
 from .parameters import Parameters
-from .pixel_array import nothing
+from .pixel_array import PixelArray, nothing
 from .sensor_pixels import Device, device_events, sensor_pixels
 from .workspace import Keys
 
@@ -183,10 +183,7 @@ class Simulator:
             self._jumped(self._pixels.image(first[0]), first[1])
         start_us = self._t_us
         try:
-            for frame, t_us in path:
-                image = self._pixels.image(frame)
-                self._follow(image, t_us, start_us, NO_LIMITS, nothing)
-                self._frame, self._t_us = image, t_us
+            self._follow_path(path, start_us)
         except BaseException:
             self._pixels.abandon()
             raise
@@ -237,17 +234,42 @@ class Simulator:
         """Take the pixels to the next frame; events are timed from start_us. Raises ValueError, with nothing
         changed or done; GivenUpError."""
         assert self._frame is not None
-        span_us = t_us - self._t_us
-        if span_us <= 0:
-            raise ValueError(f"the frame at {t_us} us does not come after the last one at {self._t_us} us")
-        if (whole_us := t_us - start_us) > LONGEST_INTERVAL_US:
-            raise ValueError(f"{whole_us / 3.6e9:.0f} hours between two frames: at most 38 are possible")
+        span_us = _span_us(t_us, self._t_us, start_us)
         if self._threads == 1 or self._stages.feed_back:
             meanwhile()
             meanwhile = nothing
         self._pixels.limits = limits
         self._pixels.look(self._frame, image, float(span_us))
         self._steps(self._frame, image, start_us, span_us, limits.coarser, meanwhile)
+
+    def _follow_path(self, path: Iterator[tuple[ArrayLike, int]], start_us: int) -> None:
+        """Take the pixels along frames, several at once where they can be. Where one goes wrong, all before
+        it have been followed."""
+        most = self._pixels.most_at_once if isinstance(self._pixels, PixelArray) else 1
+        seen: list[tuple[Image, int]] = []  # and not followed yet
+        try:
+            for frame, t_us in path:
+                image, last_us = self._pixels.image(frame), seen[-1][1] if seen else self._t_us
+                _span_us(t_us, last_us, start_us)
+                seen.append((image, t_us))
+                if len(seen) >= most:
+                    self._follow_all(seen, start_us)
+        finally:
+            self._follow_all(seen, start_us)
+
+    def _follow_all(self, seen: list[tuple[Image, int]], start_us: int) -> None:
+        """Take the pixels to each of these frames, which are taken out; events are timed from start_us."""
+        frames = seen[:]
+        seen.clear()
+        if len(frames) == 1:
+            self._follow(*frames[0], start_us, NO_LIMITS, nothing)
+        elif frames:
+            assert isinstance(self._pixels, PixelArray)
+            images, times_us = zip(*frames, strict=True)
+            self._pixels.limits = NO_LIMITS
+            self._pixels.steps_at_once(images, times_us, self._t_us, start_us)
+        if frames:
+            self._frame, self._t_us = frames[-1]
 
     def _drawn(self, start_us: int, end_us: int, limits: Limits) -> Drawn:
         """What the pixels have drawn since start_us. Raises GivenUpError."""
@@ -332,3 +354,13 @@ class Simulator:
             share, span = (end / span_us if step < steps else 1.0), float(end - begin)
             self._pixels.step(before, after, share, start_us, float(offset + begin), span, meanwhile)
             begin, meanwhile = end, nothing
+
+
+def _span_us(t_us: int, last_us: int, start_us: int) -> int:
+    """The time from the last frame to this one. Raises ValueError where it does not advance, or where an
+    interval from start_us is too long."""
+    if t_us <= last_us:
+        raise ValueError(f"the frame at {t_us} us does not come after the last one at {last_us} us")
+    if (whole_us := t_us - start_us) > LONGEST_INTERVAL_US:
+        raise ValueError(f"{whole_us / 3.6e9:.0f} hours between two frames: at most 38 are possible")
+    return t_us - last_us

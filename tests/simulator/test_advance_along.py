@@ -28,6 +28,51 @@ def test_pixels_do_along_a_path_of_light_what_they_do_frame_by_frame(law: Law) -
     assert one.complete_us == other.complete_us
 
 
+ACTIVE = {
+    "contrast_response": {"k1": 60},  # more events in a stretch than there is space for at first
+    "junction_leak": {"k4_per_us": 1e-5},
+    "parasitic_photocurrent": {"k5_per_dn_us": 1e-7},
+    "photon_noise": {"k3": 1e-3},
+    "leak_noise": {"k6": 1e-4},
+    "dark_current": {"dark_dn": 30},
+    "input_response": {"gamma_exponent": 1.8, "pedestal_dn": 5},
+    "low_light_shot_noise": {"c": 0.2},
+    "residual_noise": {"variance_per_us": 1e-7, "power": -1},
+}
+"""Values at which the effects that several steps are seen through in one call do something."""
+
+
+def test_the_effects_that_are_instant_are_all_tried() -> None:
+    instant = {effect.name for effect in Parameters().effects() if effect.instant}
+    assert instant == set(ACTIVE)
+
+
+@pytest.mark.parametrize("changes", [
+    *({name: values} for name, values in ACTIVE.items()),
+    {"contrast_response": {"response": "linearised"}},
+    {"leak_mismatch": {"sigma": 1}, "junction_leak": {"k4_per_us": 1e-5}},
+    {"threshold_mismatch": {"sigma": 0.2}, "reset_noise": {"sigma": 0.1}},
+    {"refractory_period": {"period_us": 3000}},
+    {"photoreceptor_bandwidth": {"cutoff_hz": 300}},
+    {"flicker": {"depth": 0.2}},
+    {"temperature_drift": {"amplitude_c": 30, "period_s": 1}, "junction_leak": {"k4_per_us": 1e-5}},
+])  # fmt: skip
+def test_a_step_is_the_same_by_itself_and_among_others(changes: dict[str, dict[str, float]]) -> None:
+    """Also where the same light comes twice, and where steps have all lengths."""
+    parameters = Parameters.of("paper").changed(changes)
+    one, other, plain = (Simulator(31, 16, each, seed=3) for each in (parameters, parameters, None))
+    frames = wave_going_by(31, 16)
+    even = [(frame, 1000 * n) for n, (frame, _) in enumerate(frames)]
+    frames = even + [(frame, even[-1][1] + t_us) for frame, t_us in frames]
+    events = np.concatenate([other.advance(frame, t_us) for frame, t_us in frames])
+    np.testing.assert_array_equal(one.advance_along(frames), events)
+    assert len(events) > 1000
+    assert not np.array_equal(plain.advance_along(frames), events)
+    for name, plane in one.snapshot().items():
+        if not name.startswith("times_us"):
+            np.testing.assert_allclose(plane, other.snapshot()[name], err_msg=name)
+
+
 @pytest.mark.parametrize("changes", [
     {"latency": {"delay_us": 900, "jitter_us": 300}, "refractory_period": {"period_us": 500}},
     {"readout": {"event_us": 3, "row_us": 2}, "timestamp_quantum": {"quantum_us": 100}},

@@ -22,13 +22,13 @@ from voltcam_simulator import ahead, random
 from voltcam_simulator.processor import best_target
 random.interval_key(1, 2, 3)
 target = best_target(features)
-wanted = [one for one in ahead.used_signatures() if one[1] == "_interval_key"] if target else []
+wanted = [one for one in ahead.used_signatures() if one[1] == "key_of_interval"] if target else []
 ahead.compile_for(target, wanted, ahead.COMPILED / target.name) if target else None
 print(target is not None)
 """
 USE = """
 from voltcam_simulator import random
-print(int(random.interval_key(1, 2, 3)), sum(random._interval_key.stats.cache_hits.values()))
+print(int(random.interval_key(1, 2, 3)), sum(random.key_of_interval.stats.cache_hits.values()))
 """
 NO_HOME = """
 from pathlib import Path

@@ -20,6 +20,7 @@ class ContrastResponse(Effect):
     about: ClassVar[About] = "pixel"
     signature: ClassVar[str] = "events at moving edges, in proportion to the change of log brightness"
     steady: ClassVar[bool] = True
+    instant: ClassVar[bool] = True
 
     k1: float = quantity(
         5.265, unit="1", ge=0, le=1000, meaning="contrast gain, in thresholds per e-fold of brightness",

@@ -22,6 +22,7 @@ class DarkCurrent(Effect):
         "less contrast in the dark, the more so the warmer: fewer events from dim edges"
     )
     steady: ClassVar[bool] = True
+    instant: ClassVar[bool] = True
 
     dark_dn: float = quantity(
         0.0, unit="DN", ge=0, le=10_000, meaning="dark current at 25 C, as the light that would give it",

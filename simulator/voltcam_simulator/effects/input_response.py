@@ -27,6 +27,7 @@ class InputResponse(Effect):
     about: ClassVar[About] = "light"
     signature: ClassVar[str] = "the same video makes more events where it is dark: contrast grows by gamma"
     steady: ClassVar[bool] = True
+    instant: ClassVar[bool] = True
 
     gamma_exponent: float = quantity(
         1.0, unit="1", ge=0.2, le=11,

@@ -26,6 +26,7 @@ class JunctionLeak(Effect):
     about: ClassVar[About] = "pixel"
     signature: ClassVar[str] = "ON events at rest, at a rate that is the same at all brightnesses"
     steady: ClassVar[bool] = True
+    instant: ClassVar[bool] = True
 
     k4_per_us: float = quantity(
         1e-7, unit="1/us", ge=0, le=1, meaning="leak at 25 C; 1e-7 is one ON event in 10 s",

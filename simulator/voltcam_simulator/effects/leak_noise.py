@@ -14,6 +14,7 @@ class LeakNoise(Effect):
     about: ClassVar[About] = "noise"
     signature: ClassVar[str] = "spread of the intervals between leak events"
     steady: ClassVar[bool] = True
+    instant: ClassVar[bool] = True
 
     k6: float = quantity(
         1e-5, unit="1/sqrt(us)", ge=0, le=1, meaning="noise at any brightness",

@@ -22,6 +22,7 @@ class LowLightShotNoise(Effect):
     about: ClassVar[About] = "noise"
     signature: ClassVar[str] = "ON and OFF events of single pixels in the dark, at rest"
     steady: ClassVar[bool] = True
+    instant: ClassVar[bool] = True
 
     c: float = quantity(
         0.0, unit="DN/sqrt(us)", ge=0, le=10, meaning="noise in thresholds, times brightness",

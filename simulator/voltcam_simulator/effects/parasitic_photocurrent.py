@@ -14,6 +14,7 @@ class ParasiticPhotocurrent(Effect):
     about: ClassVar[About] = "pixel"
     signature: ClassVar[str] = "ON events at rest, at a rate in proportion to brightness"
     steady: ClassVar[bool] = True
+    instant: ClassVar[bool] = True
 
     k5_per_dn_us: float = quantity(
         5e-9, unit="1/(DN us)", ge=0, le=1, meaning="leak for each grey level of brightness",

@@ -15,6 +15,7 @@ class PhotonNoise(Effect):
     about: ClassVar[About] = "noise"
     signature: ClassVar[str] = "jitter of event times, and ON and OFF noise events, most at L = k2"
     steady: ClassVar[bool] = True
+    instant: ClassVar[bool] = True
 
     k3: float = quantity(
         1e-4, unit="sqrt(DN)/sqrt(us)", ge=0, le=1, meaning="photon noise",

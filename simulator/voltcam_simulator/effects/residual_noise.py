@@ -17,6 +17,7 @@ class ResidualNoise(Effect):
     about: ClassVar[About] = "noise"
     signature: ClassVar[str] = "wider intervals, or ON and OFF events at rest, that no known noise gives"
     steady: ClassVar[bool] = True
+    instant: ClassVar[bool] = True
 
     variance_per_us: float = quantity(
         0.0, unit="1/us", ge=0, le=1, meaning="sigma^2 at 128 DN",
