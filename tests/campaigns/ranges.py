@@ -26,8 +26,8 @@ WIDTH, HEIGHT, GAMMA = 64, 48, 2.2
 MEMORY_BYTES = 6_000_000_000  # of address space
 WORK_S = 0.3  # for an interval; then it is given up, as in a daemon that has 2 s
 PATIENCE_S = 60.0  # kernels are compiled meanwhile
-BURST = 50  # changes on top of each other; then all is put back
-LIVES = 20  # bursts of one simulator, whose state goes on
+BURST = 20  # changes on top of each other; then all is put back
+LIVES = 50  # bursts of one simulator, whose state goes on
 SPANS_US, OFTEN = (17_000, 50_000, 200_000, 1_000_000), (0.6, 0.2, 0.1, 0.1)
 
 
