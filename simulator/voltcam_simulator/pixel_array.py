@@ -299,6 +299,7 @@ class PixelArray:
         own += [self._above, self._below]
         own += [array for state in self.state.values() for array in state.values()]
         scratch = sum(workspace.nbytes for workspace in self._workspaces)
+        scratch += self._several.nbytes if self._several else 0
         return sum(array.nbytes for array in own) + self._still.nbytes + scratch
 
     @property

@@ -61,7 +61,7 @@ class SeveralSteps:
         offsets_us = offset_us + np.cumsum(spans_us) - spans_us
         response, drift, noise = self._planes[:, :steps]
         near, bent, place = state.workspace.near, state.workspace.bent, np.array([-1, 0])
-        state.workspace.draw(steps, lambda done, keys: follow(
+        state.workspace.draw(steps, lambda done, keys: follow_steps(
             *state.pixels, response, drift, noise, state.response, spans_us, offsets_us, np.uint64(seed),
             np.uint64(first_step), state.width, *self._reset, *state.no_kicks, state.rows.ahead, near, bent,
             state.has_held, done, place, keys,
@@ -80,7 +80,7 @@ class SeveralSteps:
 
 
 @kernel
-def follow(
+def follow_steps(
     voltage: Any, pending: Any, held: Any, above: Any, below: Any, response: Any, drift: Any, noise: Any,
     last_response: Any, spans_us: Any, offsets_us: Any, seed: Any, first_step: Any, width: Any, dead_us: Any,
     sigma: Any, kick_times_us: Any, kick_sizes: Any, slack: Any, ahead: Any, near: Any, bent: Any,
