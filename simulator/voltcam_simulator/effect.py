@@ -225,8 +225,8 @@ class Effect(BaseModel):
     and leaves voltages alone: when all that are on are steady, rows that stand still are drawn ahead."""
 
     instant: ClassVar[bool] = False
-    """True for one that gives each pixel the same at any time and place: from its light, that before and its
-    leak alone. When all that act on pixels are instant, several steps are seen in one call."""
+    """True for one that gives each pixel the same at any time: from its light, that before, its leak and its
+    place alone. When all that act on pixels are instant, several steps are seen in one call."""
 
     feeds_back: ClassVar[bool] = False
     """True for one whose `report` changes the pixels' voltages."""

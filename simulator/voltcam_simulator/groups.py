@@ -27,7 +27,8 @@ class Pixels(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Which pixels of the sensor a plane has, row after row; int."""
+    """Which pixels of the sensor a plane has, row after row; int. A plane of several steps begins with the
+    first row again behind the last."""
 
     first_row: Any
     first_column: Any

@@ -37,6 +37,8 @@ ACTIVE = {
     "dark_current": {"dark_dn": 30},
     "input_response": {"gamma_exponent": 1.8, "pedestal_dn": 5},
     "low_light_shot_noise": {"c": 0.2},
+    "vignetting": {"corner_loss": 0.6},
+    "residual_drift": {"per_us": 1e-5, "power": -1, "across": 0.5, "down": -2},
     "residual_noise": {"variance_per_us": 1e-7, "power": -1},
 }
 """Values at which the effects that several steps are seen through in one call do something."""

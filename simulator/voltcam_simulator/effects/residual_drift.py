@@ -22,6 +22,7 @@ class ResidualDrift(Effect):
         "ON or OFF events at rest that no known effect gives, smooth in brightness and place"
     )
     steady: ClassVar[bool] = True
+    instant: ClassVar[bool] = True
 
     per_us: float = quantity(
         0.0, unit="1/us", ge=-1, le=1, meaning="drift at 128 DN in the middle of the image",
@@ -61,7 +62,7 @@ def add_power(
     width: Any, height: Any, drift: Any,
 ) -> None:  # fmt: skip
     for row in range(place.rows):
-        v = 2.0 * (place.first_row + row) / max(height - 1, 1) - 1
+        v = 2.0 * ((place.first_row + row) % height) / max(height - 1, 1) - 1
         for column in range(place.columns):
             u = 2.0 * (place.first_column + column) / max(width - 1, 1) - 1
             i = row * place.columns + column

@@ -16,6 +16,7 @@ class Vignetting(Effect):
         "leak, noise and lag of bright scenes in the centre, of darker ones in the corners"
     )
     steady: ClassVar[bool] = True
+    instant: ClassVar[bool] = True
 
     corner_loss: float = quantity(
         0.0, unit="1", ge=0, le=0.99, meaning="share of the light that a corner of the image lacks",
@@ -31,14 +32,14 @@ class Vignetting(Effect):
         corner2 = max(((sensor.width - 1) ** 2 + (sensor.height - 1) ** 2) / 4, 1)
         g = ((1 - self.corner_loss) ** -0.5 - 1) / corner2
         middle_y, middle_x = np.float32((sensor.height - 1) / 2), np.float32((sensor.width - 1) / 2)
-        band.apply(darken, band.light, band.place, middle_y, middle_x, np.float32(g))
+        band.apply(darken, band.light, band.place, sensor.height, middle_y, middle_x, np.float32(g))
 
 
 @kernel
-def darken(light: Any, place: Any, middle_y: Any, middle_x: Any, g: Any) -> None:
+def darken(light: Any, place: Any, height: Any, middle_y: Any, middle_x: Any, g: Any) -> None:
     one = np.float32(1)
     for row in range(place.rows):
-        y = np.float32(place.first_row + row) - middle_y
+        y = np.float32((place.first_row + row) % height) - middle_y
         for column in range(place.columns):
             x = np.float32(place.first_column + column) - middle_x
             root = one + g * (x * x + y * y)
