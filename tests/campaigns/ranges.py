@@ -34,7 +34,7 @@ SPANS_US, OFTEN = (17_000, 50_000, 200_000, 1_000_000), (0.6, 0.2, 0.1, 0.1)
 def main() -> int:
     """Run the campaign; returns 1 where something was found."""
     parser = argparse.ArgumentParser(prog="make ranges", description=__doc__)
-    parser.add_argument("--count", type=int, default=20_000)
+    parser.add_argument("--count", type=int, default=100_000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--inside", type=Path, help=argparse.SUPPRESS)  # what the process does
     arguments = parser.parse_args()
