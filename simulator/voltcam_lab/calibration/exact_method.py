@@ -16,7 +16,6 @@ from .estimates import Estimate
 from .lateness import as_late_as, clocks_apart_us
 from .part import SIMULATED, Cut, shortened
 from .reading import Reading
-from .refine.coordinate_search import BETTER
 from .refine.refinement import Refined, Refinement, known_share
 from .scatter import as_scattered
 
@@ -57,7 +56,7 @@ class ExactMethod:
         share = known_share(self.reading.events, self.reading.scene) if refining else 0.0
         if share >= MOSTLY_KNOWN:
             refined = self._refinement(parameters).refined(parameters, same_light=True)
-            worth = refined.after < BETTER * refined.before
+            worth = refined.closer
             notes.append(_told(refined, worth))
             parameters = refined.parameters if worth else likeliest
         elif refining:

@@ -52,7 +52,7 @@ class Fits:
     def refined(self, refinement: Refinement, start: Parameters) -> Refined:
         self.start.append(start)
         scene = replace(refinement.scene, how="linear")
-        return Refined(start, scene, "as it was", ("hot",), (), 3.0, 1.5)
+        return Refined(start, scene, "as it was", ("hot",), (), 3.0, 1.5, True)
 
     def fitted(self, model: str, scene: object, on: int, off: int, parameters: Any = None, *_: object) -> Any:
         self.thresholds.append((model, on, off))

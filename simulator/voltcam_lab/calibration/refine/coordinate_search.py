@@ -15,10 +15,12 @@ from ...distances.goal import Goal
 from ...light.between_frames import calmed, evened, sharpened
 from ...light.grey import WHITE_DN
 from ...light.scene import Scene
-from .coordinates import ABSENT, BENT, CORE, OFFERED, Point, parameters_at, with_curvature
+from .coordinates import ABSENT, BENT, CORE, OFFERED, Point, parameters_at, present, with_curvature
+from .judge import Judge, Scores, closer
 from .replay import Replay
 
-BETTER = 0.998  # of the score, for what is new to stay
+ALIKE = 0.002  # of the score: polishing that gains less is at its end
+CLOSE = 1.05  # times the best score: what is further off is not looked at again
 SHARPENING = (0.15, 0.3, 0.45)
 POLISHING = 8  # steps of all coordinates at once, at most; two or three are usual
 WIDE = 0.08  # of a logarithm, to either side: over that slopes are taken
@@ -34,26 +36,22 @@ BENDS = ((1.0, 1.0), (0.6, 2.5), (0.6, 5.0))  # factors of gamma, and of the kne
 
 @dataclass(frozen=True, eq=False)
 class LightTrial:
-    """A point in a light, its score, and that of the pixels that took part in no step."""
+    """A point in a light, and its score."""
 
     point: dict[str, float]
     score: float
-    unseen: float
     scene: Scene
     words: str
     sharpening: float
 
-    def better_than(self, other: "LightTrial") -> bool:
-        return self.score < other.score * BETTER and self.unseen < other.unseen * BETTER
-
 
 @dataclass
 class CoordinateSearch:
-    """Steps are judged by `seen`; what is new stays only if `other`, pixels that saw no steps, gains too."""
+    """Steps are judged by `seen`; what is new stays only if `judge`, of pixels that saw no steps, has it so."""
 
     start: Parameters
     seen: Goal
-    other: Goal
+    judge: Judge
     scene: Scene
     region: Region
     seed: int
@@ -75,9 +73,9 @@ class CoordinateSearch:
         """What `score` is the squares of. Raises ValueError where there is no such camera."""
         return self.seen.residuals(self._events(point))
 
-    def unseen(self, point: Point) -> float:
+    def unseen(self, point: Point) -> Scores:
         """What decides whether something new stays."""
-        return self.other.score(self._events(point))
+        return self.judge.scores(self.replay, parameters_at(point, self.start))
 
     def _events(self, point: Point) -> NDArray[np.void]:
         return self.replay.events(parameters_at(point, self.start), self.seed)
@@ -137,9 +135,9 @@ class CoordinateSearch:
         return self._closer(min(tries, key=self.score), point)
 
     def _closer(self, tried: dict[str, float], point: dict[str, float]) -> dict[str, float]:
-        """What was tried, if both parts of the pixels come closer; else the point."""
-        better = self.score(tried) < self.score(point) * BETTER
-        return tried if better and self.unseen(tried) < self.unseen(point) * BETTER else point
+        """What was tried, if it is closer on pixels that saw no steps; else the point."""
+        near = self.score(tried) < self.score(point) * CLOSE
+        return tried if near and closer(self.unseen(tried), self.unseen(point)) else point
 
     def _moving(self, point: Point) -> int:
         """Events of light that moves."""
@@ -156,7 +154,7 @@ class CoordinateSearch:
 
     def as_it_is(self, point: dict[str, float]) -> "LightTrial":
         """The point in the light as it is."""
-        return LightTrial(point, self.score(point), self.unseen(point), self.scene, "as it was", 0.0)
+        return LightTrial(point, self.score(point), self.scene, "as it was", 0.0)
 
     def light(self, point: dict[str, float]) -> "LightTrial":
         """The point with the light that is closest.
@@ -171,43 +169,46 @@ class CoordinateSearch:
             for scene, words, sharpening in [(self.scene, "as it was", 0.0), *sharper]:
                 trial = self._tried(tried, scene, words, sharpening)
                 best, tried = (trial if trial.score < best.score else best), trial.point
-        found = best if best.better_than(found) else found
+        found = self._closer_light(best, found)
         calm = calmed(self.scene)
         if found.scene is not self.scene:
             calm = sharpened(evened(calm), found.sharpening)
         trial = self._tried(found.point, calm, f"calmed, {found.words}", found.sharpening)
-        found = trial if trial.better_than(found) else found
+        found = self._closer_light(trial, found)
         self.replay = Replay.of(found.scene, self.region)
         return found
+
+    def _closer_light(self, tried: "LightTrial", found: "LightTrial") -> "LightTrial":
+        return tried if closer(self._unseen_in(tried), self._unseen_in(found)) else found
+
+    def _unseen_in(self, trial: "LightTrial") -> Scores:
+        self.replay = Replay.of(trial.scene, self.region)
+        return self.unseen(trial.point)
 
     def _tried(self, point: dict[str, float], scene: Scene, words: str, sharpening: float) -> "LightTrial":
         self.report(f"refine: light {words}, gamma {point['gamma']:g}")
         self.replay = Replay.of(scene, self.region)
         point, score = self.moved(point, BENT, 0.15, 2)
-        return LightTrial(point, score, self.unseen(point), scene, words, sharpening)
+        return LightTrial(point, score, scene, words, sharpening)
 
-    def offered(self, point: dict[str, float]) -> tuple[dict[str, float], tuple[str, ...]]:
-        """The point with those mechanisms that help pixels which did not choose them; all that it has."""
-        kept = [name for name, value in ABSENT.items() if point[name] != value]
+    def offered(self, point: dict[str, float]) -> dict[str, float]:
+        """The point with those mechanisms that help pixels which did not choose them. One that is there may be
+        so at a size close to none, so it is offered as well."""
         best, unseen = self.score(point), self.unseen(point)
         for name, values in OFFERED:
-            if name in kept:
-                continue
             self.report(f"refine: {name}")
             changed = [self._with(point, name, x) for x in values]
             if name in SLOWER:  # contrast that comes too fast is lost: the gain makes up for it
                 moving = self._moving(point)
                 changed = [self._making(moving, tried) for tried in changed]
             value, tried = min(((self.score(tried), tried) for tried in changed), key=lambda each: each[0])
-            if value < best * 1.05:  # what stands in its place is in the way
-                tried, value = self.moved(tried, (name, "gain"), 0.2, 2, value)
-            if value >= best * BETTER:
+            if value >= best * CLOSE:
                 continue
+            tried, value = self.moved(tried, (name, "gain"), 0.2, 2, value)
             other = self.unseen(tried)
-            if other < unseen * BETTER:
+            if closer(other, unseen):
                 point, best, unseen = tried, value, other
-                kept += [name] if name not in kept else []
-        return point, tuple(kept)
+        return point
 
     def _with(self, point: dict[str, float], name: str, value: float) -> dict[str, float]:
         """A mechanism at a size; what it makes late is taken from the delay, what it bends from the gain."""
@@ -217,7 +218,7 @@ class CoordinateSearch:
             return with_curvature(point, point["gamma"], value)
         changed = point | {name: value}
         if name in SLOWER:
-            slower_us = SLOWER[name] / (2 * math.pi) * (1 / value - 1 / (point[name] or math.inf))
+            slower_us = SLOWER[name] / (2 * math.pi) * (1 / (value or math.inf) - 1 / (point[name] or math.inf))
             changed["delay_us"] = point["delay_us"] - slower_us
         return changed
 
@@ -237,7 +238,7 @@ class CoordinateSearch:
             return np.concatenate([found, STAYING * (moved - 1)])
 
         found = least_squares(
-            residuals, np.ones(len(names)), "3-point", diff_step=WIDE, ftol=1 - BETTER, max_nfev=POLISHING
+            residuals, np.ones(len(names)), "3-point", diff_step=WIDE, ftol=ALIKE, max_nfev=POLISHING
         )
         return self._at(point, names, origin + found.x - 1)
 
@@ -249,16 +250,13 @@ class CoordinateSearch:
             point = self._with(point, name, value)
         return point
 
-    def without_needless(
-        self, point: dict[str, float], kept: tuple[str, ...]
-    ) -> tuple[dict[str, float], tuple[str, ...]]:
-        """Less what neither part misses."""
+    def without_needless(self, point: dict[str, float]) -> dict[str, float]:
+        """Less those mechanisms that are not missed by more than chance."""
         self.report("refine: what is needed")
-        best, unseen = self.score(point), self.unseen(point)
-        for name in kept:
-            tried = point | {name: ABSENT[name]}
-            value = self.score(tried)
-            if value * BETTER < best and self.unseen(tried) * BETTER < unseen:
-                point, best, unseen = tried, value, self.unseen(tried)
-                kept = tuple(other for other in kept if other != name)
-        return point, kept
+        unseen = self.unseen(point)
+        for name in present(point):
+            tried = self._with(point, name, ABSENT[name])
+            without = self.unseen(tried)
+            if not closer(unseen, without):
+                point, unseen = tried, without
+        return point

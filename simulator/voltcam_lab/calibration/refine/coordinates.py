@@ -97,6 +97,11 @@ def parameters_at(point: Point, base: Parameters) -> Parameters:
     return base.changed(changes)
 
 
+def present(point: Point) -> tuple[str, ...]:
+    """Mechanisms that are there."""
+    return tuple(name for name, absent in ABSENT.items() if point[name] != absent)
+
+
 def response(point: Point, grey_dn: NDArray[np.float64]) -> NDArray[np.float64]:
     """Voltage of grey levels, from that of the first one on."""
     gamma, pedestal_dn = point["gamma"], point["pedestal_dn"]

@@ -3,12 +3,13 @@
 The light itself (how sharp, how a grey level stands for light), why events are late, noise out of the
 blue: each changes what a simulation gives out, so it is tried, with the same random numbers each time
 (Gourieroux, Monfort, Renault 1993; Hooke and Jeeves 1961; Branch, Coleman, Li 1999). Steps are judged on
-one part of the pixels; a mechanism, or other light, stays only if the other part, which saw no steps, comes
-closer.
-Where the light stays as it is, only events in light that is known count: else parameters would make up for
-the light between frames of this recording, and be wrong in any other. There a grey level is light, as a
-sensor gives it out. Three more steps come behind that. What black and white stand for is found by itself. The
-spread of thresholds and the frames' noise are traded against the gain. All else is found once more.
+one part of the pixels. A mechanism, or other light, stays only if the other part comes closer, with random
+numbers of its own, by more than these make it differ.
+Where the light stays as it is, steps are judged by events in light that is known. Else parameters would make
+up for the light between frames of this recording, and be wrong in any other. Of a mechanism that known light
+cannot tell, all events decide. There a grey level is light, as a sensor gives it out. Three more steps come
+behind that. What black and white stand for is found by itself. The spread of thresholds and the frames' noise
+are traded against the gain. All else is found once more.
 """
 
 from collections.abc import Callable
@@ -24,7 +25,8 @@ from ...distances.goal import Goal
 from ...light.known import KnownLight
 from ...light.scene import Scene
 from .coordinate_search import CoordinateSearch
-from .coordinates import ABSENT, CORE, parameters_at, point_of
+from .coordinates import ABSENT, CORE, parameters_at, point_of, present
+from .judge import Judge, closer
 
 DEVELOPED_PIXELS = 12  # side of the tiles, every other one of which judges what is kept
 KNOWN = 0.3  # of the brightness: light that is further off between frames takes no part
@@ -40,8 +42,8 @@ LONGEST = 40e6  # pixels times images of light that are simulated, unless told o
 @dataclass(frozen=True, eq=False)
 class Refined:
     """parameters: of the camera. scene: the light they belong to; light: what was done to it. kept:
-    mechanisms that are there; dropped: tried, of no use. before, after: scores of the pixels that took part
-    in no step."""
+    mechanisms that are there; dropped: tried, of no use. before, after: mean scores of the pixels that took
+    part in no step, in light that counts; closer: whether they differ by more than chance."""
 
     parameters: Parameters
     scene: Scene
@@ -50,6 +52,7 @@ class Refined:
     dropped: tuple[str, ...]
     before: float
     after: float
+    closer: bool
 
 
 def known_share(events: NDArray[np.void], scene: Scene) -> float:
@@ -83,17 +86,20 @@ class Refinement:
         before = search.unseen(point)
         point = search.first(point)
         lit = search.as_it_is(point) if same_light else search.light(point)
-        point, kept = search.offered(lit.point)
-        point = search.polished(point, CORE + kept)
-        point, kept = search.without_needless(point, kept)
+        point = search.offered(lit.point)
+        point = search.polished(point, CORE + present(point))
+        point = search.without_needless(point)
+        after = search.unseen(point)
+        kept = present(point)
         return Refined(
             parameters=parameters_at(point, start),
             scene=lit.scene,
             light=lit.words,
             kept=kept,
             dropped=tuple(name for name in ABSENT if name not in kept),
-            before=before,
-            after=search.unseen(point),
+            before=float(before[0].mean()),
+            after=float(after[0].mean()),
+            closer=closer(after, before),
         )
 
     def with_ends(self, start: Parameters) -> Parameters:
@@ -145,7 +151,9 @@ class Refinement:
         part = self._busiest()
         halves = by_pixels(part, DEVELOPED_PIXELS)
         seen, other = (Goal(self.events, half, self.light, known) for half in halves)
-        return CoordinateSearch(start, seen, other, self.scene, part, self.seed, self.report)
+        judges = (other,) if known is None else (other, Goal(self.events, halves[1], self.light))
+        judge = Judge(judges, self.seed)
+        return CoordinateSearch(start, seen, judge, self.scene, part, self.seed, self.report)
 
     def _busiest(self) -> Region:
         """The region in the stretch with most events that is short enough to be simulated often."""

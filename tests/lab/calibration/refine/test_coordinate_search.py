@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from voltcam_lab.calibration.refine.coordinate_search import BETTER, CoordinateSearch, LightTrial
+from voltcam_lab.calibration.refine.coordinate_search import CoordinateSearch
 from voltcam_lab.calibration.refine.coordinates import (
     ABSENT,
     CORE,
@@ -17,7 +17,9 @@ from voltcam_lab.calibration.refine.coordinates import (
     Point,
     parameters_at,
     point_of,
+    present,
 )
+from voltcam_lab.calibration.refine.judge import DRAWS, Judge, Scores
 from voltcam_lab.calibration.refine.refinement import SLACKS, Refinement
 from voltcam_lab.calibration.refine.replay import Replay
 from voltcam_lab.distances import FrameLight, Region
@@ -48,8 +50,8 @@ class MadeSearch(CoordinateSearch):
     def score(self, point: Point) -> float:
         return self._seen(point)
 
-    def unseen(self, point: Point) -> float:
-        return self._unseen(point)
+    def unseen(self, point: Point) -> Scores:
+        return np.full((1, DRAWS), self._unseen(point))
 
     def _moving(self, point: Point) -> int:
         return round(100 * point["gain"])
@@ -139,39 +141,33 @@ def with_mechanisms(**needed: float) -> Score:
 def test_mechanisms_that_both_parts_need_are_kept_and_no_others() -> None:
     bare = PLAIN | ABSENT
     search = MadeSearch(with_mechanisms(reset_spread=0.08, shot_c=0.01))
-    point, kept = search.offered(bare)
-    assert set(kept) == {"reset_spread", "shot_c"}
+    point = search.offered(bare)
+    assert {name for name, value in ABSENT.items() if point[name] != value} == {"reset_spread", "shot_c"}
     assert (point["reset_spread"], point["shot_c"]) == pytest.approx((0.08, 0.01), rel=0.1)
-    assert {name for name, value in ABSENT.items() if point[name] != value} == set(kept)
     assert len(search.said) == len(OFFERED)
 
 
 def test_what_helps_only_the_pixels_that_chose_it_is_not_kept() -> None:
     bare = PLAIN | ABSENT
     search = MadeSearch(with_mechanisms(reset_spread=0.08), with_mechanisms())
-    assert search.offered(bare) == (bare, ())
+    assert search.offered(bare) == bare
 
 
-def test_a_mechanism_that_is_there_stays_and_is_not_offered_again() -> None:
+def test_a_mechanism_that_is_there_stays_unless_another_size_is_closer() -> None:
     there = PLAIN | ABSENT | {"coupling": 0.003}
-    search = MadeSearch(with_mechanisms())
-    point, kept = search.offered(there)
-    assert kept == ("coupling",)
-    assert point == there
-    assert "refine: coupling" not in search.said
+    assert MadeSearch(with_mechanisms()).offered(there) == there
+    nearly_none = PLAIN | ABSENT | {"k4_per_us": 1e-12}
+    found = MadeSearch(with_mechanisms(k4_per_us=1e-7)).offered(nearly_none)
+    assert found["k4_per_us"] == pytest.approx(1e-7, rel=0.1)
 
 
-def test_what_neither_part_misses_goes_in_the_end() -> None:
+def test_what_is_not_missed_goes() -> None:
     both = PLAIN | ABSENT | {"coupling": 0.003, "reset_spread": 0.08}
-    point, kept = MadeSearch(with_mechanisms(reset_spread=0.08)).without_needless(
-        both, ("coupling", "reset_spread")
-    )
-    assert kept == ("reset_spread",)
-    assert point["coupling"] == 0
+    assert present(MadeSearch(with_mechanisms(reset_spread=0.08)).without_needless(both)) == ("reset_spread",)
     missed = MadeSearch(
         with_mechanisms(reset_spread=0.08), with_mechanisms(reset_spread=0.08, coupling=0.003)
     )
-    assert missed.without_needless(both, ("coupling", "reset_spread"))[1] == ("coupling", "reset_spread")
+    assert present(missed.without_needless(both)) == ("reset_spread", "coupling")
 
 
 @pytest.mark.parametrize(("pole", "time_constants"), [("cutoff_hz", 2), ("follower_hz", 1)])
@@ -200,16 +196,6 @@ def test_noise_that_is_error_of_the_light_goes_first() -> None:
     assert found["period_us"] > 0
 
 
-def test_a_light_is_better_if_both_parts_say_so() -> None:
-    first, limit = LightTrial(PLAIN, 1.0, 1.0, SCENE, "as it was", 0.0), BETTER
-    for score, unseen, better in (
-        (limit - 1e-6, limit - 1e-6, True),
-        (limit + 1e-6, 0.5, False),
-        (0.5, limit + 1e-6, False),
-    ):
-        assert LightTrial(PLAIN, score, unseen, SCENE, "bent", 0.0).better_than(first) == better
-
-
 def test_light_that_is_blurred_between_frames_is_taken_evened_where_that_is_closer() -> None:
     """The score is how unequally fine the images are that would be simulated."""
     texture = (60 + 40 * np.random.default_rng(2).random((40, 40))).astype(np.float32)
@@ -235,9 +221,9 @@ def test_where_there_is_no_such_camera_the_score_is_infinite() -> None:
     region = Region.whole(SCENE.width, SCENE.height, 0, end_us)
     light = FrameLight(SCENE.taken.astype(np.uint8), SCENE.taken_us)
     goal = Goal(np.empty(0, EVENT), region, light)
-    search = CoordinateSearch(START, goal, goal, SCENE, region, 1, lambda step: None)
+    search = CoordinateSearch(START, goal, Judge((goal,), 1), SCENE, region, 1, lambda step: None)
     assert math.isfinite(search.score(PLAIN))
-    assert search.score(PLAIN) == search.unseen(PLAIN)
+    assert np.isfinite(search.unseen(PLAIN)).all()
     for wrong in ({"knee_dn": WHITE_DN + 1}, {"gamma": 99.0}):
         assert search.score(PLAIN | wrong) == math.inf
 
