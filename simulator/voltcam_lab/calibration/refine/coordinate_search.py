@@ -12,16 +12,14 @@ from voltcam_simulator import Parameters
 
 from ...distances import Region
 from ...distances.goal import Goal
-from ...light.between_frames import calmed, evened, sharpened
 from ...light.grey import WHITE_DN
 from ...light.scene import Scene
-from .coordinates import ABSENT, BENT, CORE, OFFERED, Point, parameters_at, present, with_curvature
+from .coordinates import ABSENT, CORE, OFFERED, Point, parameters_at, present, with_curvature
 from .judge import Judge, Scores, closer
 from .replay import Replay
 
 ALIKE = 0.002  # of the score: polishing that gains less is at its end
 CLOSE = 1.05  # times the best score: what is further off is not looked at again
-SHARPENING = (0.15, 0.3, 0.45)
 POLISHING = 8  # steps of all coordinates at once, at most; two or three are usual
 WIDE = 0.08  # of a logarithm, to either side: over that slopes are taken
 STAYING = 0.03  # residual of a factor of e: a coordinate that changes nothing stays where it is
@@ -31,23 +29,11 @@ SLOWER = {
     "cutoff_hz": 2e6,
     "follower_hz": 1e6,
 }  # us, over 2 pi f: how late a pole is, half as bright as white
-BENDS = ((1.0, 1.0), (0.6, 2.5), (0.6, 5.0))  # factors of gamma, and of the knee
-
-
-@dataclass(frozen=True, eq=False)
-class LightTrial:
-    """A point in a light, and its score."""
-
-    point: dict[str, float]
-    score: float
-    scene: Scene
-    words: str
-    sharpening: float
 
 
 @dataclass
 class CoordinateSearch:
-    """Steps are judged by `seen`; what is new stays only if `judge`, of pixels that saw no steps, has it so."""
+    """Steps are judged by `seen`; what is new stays if it is closer to `judge`, whose pixels saw none."""
 
     start: Parameters
     seen: Goal
@@ -152,48 +138,11 @@ class CoordinateSearch:
             low, high = (middle, high) if self._moving(tried) < moving else (low, middle)
         return tried
 
-    def as_it_is(self, point: dict[str, float]) -> "LightTrial":
-        """The point in the light as it is."""
-        return LightTrial(point, self.score(point), self.scene, "as it was", 0.0)
-
-    def light(self, point: dict[str, float]) -> "LightTrial":
-        """The point with the light that is closest.
-
-        How sharp light is and how grey levels stand for it make up for one another: both at once.
-        """
-        found = best = self.as_it_is(point)
-        even = evened(self.scene)
-        sharper = [(sharpened(even, x), f"evened, sharpened by {x:g}", x) for x in SHARPENING]
-        for bend, knee in BENDS:
-            tried = with_curvature(point, bend * point["gamma"], knee * point["knee_dn"])
-            for scene, words, sharpening in [(self.scene, "as it was", 0.0), *sharper]:
-                trial = self._tried(tried, scene, words, sharpening)
-                best, tried = (trial if trial.score < best.score else best), trial.point
-        found = self._closer_light(best, found)
-        calm = calmed(self.scene)
-        if found.scene is not self.scene:
-            calm = sharpened(evened(calm), found.sharpening)
-        trial = self._tried(found.point, calm, f"calmed, {found.words}", found.sharpening)
-        found = self._closer_light(trial, found)
-        self.replay = Replay.of(found.scene, self.region)
-        return found
-
-    def _closer_light(self, tried: "LightTrial", found: "LightTrial") -> "LightTrial":
-        return tried if closer(self._unseen_in(tried), self._unseen_in(found)) else found
-
-    def _unseen_in(self, trial: "LightTrial") -> Scores:
-        self.replay = Replay.of(trial.scene, self.region)
-        return self.unseen(trial.point)
-
-    def _tried(self, point: dict[str, float], scene: Scene, words: str, sharpening: float) -> "LightTrial":
-        self.report(f"refine: light {words}, gamma {point['gamma']:g}")
-        self.replay = Replay.of(scene, self.region)
-        point, score = self.moved(point, BENT, 0.15, 2)
-        return LightTrial(point, score, scene, words, sharpening)
-
     def offered(self, point: dict[str, float]) -> dict[str, float]:
-        """The point with those mechanisms that help pixels which did not choose them. One that is there may be
-        so at a size close to none, so it is offered as well."""
+        """The point with those mechanisms that help pixels which did not choose them.
+
+        One that is there may be so at a size close to none, so it is offered as well.
+        """
         best, unseen = self.score(point), self.unseen(point)
         for name, values in OFFERED:
             self.report(f"refine: {name}")
@@ -218,7 +167,9 @@ class CoordinateSearch:
             return with_curvature(point, point["gamma"], value)
         changed = point | {name: value}
         if name in SLOWER:
-            slower_us = SLOWER[name] / (2 * math.pi) * (1 / (value or math.inf) - 1 / (point[name] or math.inf))
+            slower_us = (
+                SLOWER[name] / (2 * math.pi) * (1 / (value or math.inf) - 1 / (point[name] or math.inf))
+            )
             changed["delay_us"] = point["delay_us"] - slower_us
         return changed
 

@@ -27,6 +27,7 @@ from ...light.scene import Scene
 from .coordinate_search import CoordinateSearch
 from .coordinates import ABSENT, CORE, parameters_at, point_of, present
 from .judge import Judge, closer
+from .light_search import closest_light, light_as_it_is
 
 DEVELOPED_PIXELS = 12  # side of the tiles, every other one of which judges what is kept
 KNOWN = 0.3  # of the brightness: light that is further off between frames takes no part
@@ -85,7 +86,7 @@ class Refinement:
         point = point_of(start)
         before = search.unseen(point)
         point = search.first(point)
-        lit = search.as_it_is(point) if same_light else search.light(point)
+        lit = (light_as_it_is if same_light else closest_light)(search, point)
         point = search.offered(lit.point)
         point = search.polished(point, CORE + present(point))
         point = search.without_needless(point)

@@ -1,13 +1,11 @@
 """The search on scores that are formulas: no camera is simulated."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter
 
 from voltcam_lab.calibration.refine.coordinate_search import CoordinateSearch
 from voltcam_lab.calibration.refine.coordinates import (
@@ -19,42 +17,19 @@ from voltcam_lab.calibration.refine.coordinates import (
     point_of,
     present,
 )
-from voltcam_lab.calibration.refine.judge import DRAWS, Judge, Scores
+from voltcam_lab.calibration.refine.judge import Judge
 from voltcam_lab.calibration.refine.refinement import SLACKS, Refinement
 from voltcam_lab.calibration.refine.replay import Replay
 from voltcam_lab.distances import FrameLight, Region
 from voltcam_lab.distances.goal import Goal
 from voltcam_lab.light.grey import WHITE_DN
-from voltcam_lab.light.scene import Scene, scene_of
+from voltcam_lab.light.scene import scene_of
 from voltcam_simulator import EVENT, Parameters
 
-from .made import START, wave
+from .made import START
+from .made_search import PLAIN, SCENE, MadeSearch, Score
 
-PLAIN = point_of(START) | ABSENT | {"k6": 1e-5, "delay_us": 1000.0, "period_us": 500.0}
-SCENE = wave(0.05)
 WAVE_US = np.arange(0, 600_001, 10_000)
-Score = Callable[[Point], float]
-
-
-class MadeSearch(CoordinateSearch):
-    """Both parts of the pixels have a formula in place of their score."""
-
-    def __init__(self, seen: Score, unseen: Score | None = None) -> None:
-        self.start, self.scene, self.said = START, SCENE, list[str]()
-        self.report = self.said.append
-        self._seen, self._unseen = seen, unseen or seen
-
-    def residuals(self, point: Point) -> NDArray[np.float64]:
-        return np.sqrt([self._seen(point)])
-
-    def score(self, point: Point) -> float:
-        return self._seen(point)
-
-    def unseen(self, point: Point) -> Scores:
-        return np.full((1, DRAWS), self._unseen(point))
-
-    def _moving(self, point: Point) -> int:
-        return round(100 * point["gain"])
 
 
 def bowl(**best: float) -> Score:
@@ -194,25 +169,6 @@ def test_noise_that_is_error_of_the_light_goes_first() -> None:
     assert found["reset_spread"] == found["k3"] == found["k6"] == 0
     assert found["delay_us"] == PLAIN["delay_us"]  # which has been measured
     assert found["period_us"] > 0
-
-
-def test_light_that_is_blurred_between_frames_is_taken_evened_where_that_is_closer() -> None:
-    """The score is how unequally fine the images are that would be simulated."""
-    texture = (60 + 40 * np.random.default_rng(2).random((40, 40))).astype(np.float32)
-    images = np.stack([texture, gaussian_filter(texture, 0.5)] * 8 + [texture])
-    t_us = 10_000 * np.arange(len(images))
-    blurring = Scene(images[::2], t_us[::2], images, t_us)
-
-    def unequal(_: Point) -> float:
-        return float(np.ptp(np.abs(np.diff(search.replay.images, axis=2)).mean((1, 2))))
-
-    search = MadeSearch(unequal)
-    search.scene, search.region = blurring, Region.whole(40, 40, 0, int(t_us[-1]))
-    search.replay = Replay.of(blurring, search.region)
-    before = unequal(PLAIN)
-    found = search.light(PLAIN)
-    assert "evened" in found.words
-    assert unequal(PLAIN) == found.score < 0.2 * before
 
 
 def test_where_there_is_no_such_camera_the_score_is_infinite() -> None:

@@ -48,7 +48,9 @@ def test_the_camera_that_made_the_events_is_closer_than_another(k1: float) -> No
     scene = wave(0.4)
     region = Region.whole(scene.width, scene.height, 50_000, int(scene.t_us[-1]))
     replay = Replay.of(scene, region)
-    goal = Goal(replay.events(START, seed=9), region, FrameLight(scene.taken.astype(np.uint8), scene.taken_us))
+    goal = Goal(
+        replay.events(START, seed=9), region, FrameLight(scene.taken.astype(np.uint8), scene.taken_us)
+    )
     judge = Judge((goal,), seed=1)
     own, other = (judge.scores(replay, START.changed({"contrast_response": {"k1": k}})) for k in (9.0, k1))
     assert own.shape == (1, DRAWS)
