@@ -141,7 +141,7 @@ class CoordinateSearch:
     def offered(self, point: dict[str, float]) -> dict[str, float]:
         """The point with those mechanisms that help pixels which did not choose them.
 
-        One that is there may be so at a size close to none, so it is offered as well.
+        Those that are there are offered, too: steps on a logarithm never leave a size of next to none.
         """
         best, unseen = self.score(point), self.unseen(point)
         for name, values in OFFERED:
@@ -167,10 +167,8 @@ class CoordinateSearch:
             return with_curvature(point, point["gamma"], value)
         changed = point | {name: value}
         if name in SLOWER:
-            slower_us = (
-                SLOWER[name] / (2 * math.pi) * (1 / (value or math.inf) - 1 / (point[name] or math.inf))
-            )
-            changed["delay_us"] = point["delay_us"] - slower_us
+            periods_s = 1 / (value or math.inf) - 1 / (point[name] or math.inf)
+            changed["delay_us"] = point["delay_us"] - SLOWER[name] / (2 * math.pi) * periods_s
         return changed
 
     def polished(self, point: dict[str, float], names: tuple[str, ...]) -> dict[str, float]:
