@@ -20,10 +20,11 @@ from voltcam_video import SourceRequest
 
 from .access import SourceRules, resolve_under
 from .camera_settings import check_encoding
-from .cameras import CameraAnswer, Cameras, NoCameraError, RunningCamera
+from .cameras import Cameras, NoCameraError
 from .problems import UsageError
 from .recorder import RecordingPlan, RecordingStatus
 from .request_body import body_of, camera_body, read_camera, read_model, read_object, refusal, refuses
+from .running_camera import CameraAnswer, RunningCamera
 from .status import SourceStatus, State, Status
 
 POLICY_VIOLATION = 1008  # WebSocket close code

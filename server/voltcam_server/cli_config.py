@@ -8,7 +8,7 @@ from voltcam_video import SourceRequest
 
 from .access import Tokens
 from .access.reach import check_reach
-from .cameras import plans_of
+from .plan import plans_of
 from .settings import Settings, load
 
 

@@ -18,11 +18,13 @@ from .access.connections import SOCKET_MESSAGE_BYTES, BoundedProtocol
 from .access.reach import check_reach, host_of
 from .announce import announced
 from .api import Access, create_app
-from .cameras import Cameras, RunningCamera, Surroundings, plans_of
+from .cameras import Cameras
 from .listening import address_of, listen
+from .plan import plans_of
 from .problems import UsageError, where
 from .recorder import RecordingPlan
 from .reload import Reload
+from .running_camera import RunningCamera, Surroundings
 from .service import tell_systemd
 from .settings import Settings
 from .signals import ended_by_signal, reloaded_by_signal

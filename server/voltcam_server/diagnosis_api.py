@@ -9,9 +9,10 @@ from starlette.concurrency import run_in_threadpool
 
 from .access import SourceRules
 from .camera_api import POLICY_VIOLATION, chosen_of
-from .cameras import Cameras, NoCameraError, RunningCamera
+from .cameras import Cameras, NoCameraError
 from .diagnosis_models import DiagnosisRequest, DiagnosisState
 from .request_body import body_of, read_model, refuses
+from .running_camera import RunningCamera
 
 PUSH_PERIOD_S = 0.2
 

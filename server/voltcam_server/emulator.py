@@ -15,17 +15,16 @@ from functools import partial
 from prometheus_client import Histogram
 
 from voltcam_simulator import Camera, Device, Law
-from voltcam_video import Clock, Granted, Outcome, SourceError, SourceRequest
+from voltcam_video import Clock, Outcome, SourceRequest
 
 from .beside import DavisSettings
 from .camera_settings import PacketSettings, Upsample
-from .capture import Capture
+from .current_source import CurrentSource
 from .interval import Interval
 from .mailbox import Arrival, Mailbox
 from .messages import status_message
 from .overload import OverloadSettings
 from .pacer import Pacer
-from .problems import UsageError
 from .publisher import Publisher
 from .recorder import Recorder
 from .recordings import Recordings
@@ -77,11 +76,7 @@ class Emulator:
         publisher = self._publisher
         self._pacer = Pacer(packets or PacketSettings(), publisher.send_events, publisher.end_interval)
         self._news = threading.Event()  # the status has changed
-        self._clock = clock or Clock()
-        self._capture = self._capture_of(source)
-        self._opening: Capture | None = None
-        self._control = threading.Lock()  # one change of source at a time; held briefly
-        self._looking = threading.Lock()  # held while a source is opened
+        self._source = CurrentSource(source, self._mailbox, self._news.set, clock or Clock())
         self._arrived = Meter()
         self._stalls = 0
         self._busy: tuple[float, float] | None = None  # arrival of the frame at hand, and begin of its work
@@ -98,26 +93,22 @@ class Emulator:
 
     def start(self) -> None:
         """Open the source, and go. Raises SourceError; `stop` is due in any case."""
-        self._capture.start()
-        self._capture.wait_open()
+        self._source.start()
         for thread in self._threads:
             thread.start()
-        self._capture.go()
+        self._source.go()
 
     def stop(self) -> None:
         """End all threads, and finish a recording. What does not end within END_S is left, see `busy`."""
         self._stopping = True
-        if self._opening:  # a source that takes its time is not waited for
-            self._opening.stop()
         deadline_s = time.monotonic() + END_S
-        with self._control:
-            self._mailbox.close()
-            self._capture.stop()
-            self._pacer.stop()
-            self._news.set()
-            for thread in self._threads:
-                if thread.ident is not None:
-                    thread.join(max(0.0, deadline_s - time.monotonic()))
+        self._mailbox.close()
+        self._source.stop()
+        self._pacer.stop()
+        self._news.set()
+        for thread in self._threads:
+            if thread.ident is not None:
+                thread.join(max(0.0, deadline_s - time.monotonic()))
         self.recordings.close()
 
     @property
@@ -138,71 +129,19 @@ class Emulator:
     @property
     def source(self) -> SourceStatus:
         """What the camera looks at, and how that is going."""
-        state, request = self._capture.state, self._capture.request
-        return SourceStatus(
-            uri=request.shown,
-            request=request.model_copy(update={"uri": request.shown}),
-            state=state.state,
-            message=state.message or self.simulation.fault,
-            granted=dict(state.granted) if state.granted else None,
-            fps=self._arrived.status.per_s,
-            position_s=None if self._capture.position_us is None else self._capture.position_us / 1e6,
-        )
+        return self._source.status(self._arrived.status.per_s, self.simulation.fault)
 
     def look_at(self, request: SourceRequest) -> None:
         """Change the source. While the new one is opened the old one goes on, unless both are one camera.
 
         Raises SourceError when it cannot be opened: the old one goes on; UsageError while another is opened.
         """
-        if not self._looking.acquire(blocking=False):
-            raise UsageError("another source is being opened: wait until that is done")
-        try:
-            self._check_running()
-            former = self._capture
-            if request.uri == former.request.shown:  # as we told it: without the password
-                request = request.model_copy(update={"uri": former.request.uri})
-            self._use(self._opened(request, former))
-        finally:
-            self._looking.release()
-
-    def _opened(self, request: SourceRequest, former: Capture) -> Capture:
-        exclusive = former.has(request)
-        if exclusive:
-            former.stop()
-        new = self._opening = self._capture_of(request)
-        new.start()
-        try:
-            new.wait_open()
-        except SourceError:
-            new.stop()
-            if exclusive:
-                self._use(self._capture_of(former.request, former.state.granted))
-            raise
-        finally:
-            self._opening = None
-        return new
-
-    def _capture_of(self, request: SourceRequest, granted: Granted | None = None) -> Capture:
-        return Capture(request, self._mailbox, self._news.set, granted, self._clock)
-
-    def _check_running(self) -> None:
-        if self._stopping:
-            raise UsageError("the daemon is ending: start it again")
-
-    def _use(self, capture: Capture) -> None:
-        with self._control:
-            self._capture.stop()
-            if self._stopping:
-                capture.stop()
-                return
-            self._capture = capture
-            capture.start()
-            capture.go()
+        self._source.look_at(request)
 
     @property
     def state(self) -> tuple[State, str]:
         """How it is, and why where that is not "running"."""
-        source, busy, trouble = self._capture.state, self._busy, self.simulation.load.words
+        source, busy, trouble = self._source.state, self._busy, self.simulation.load.words
         if source.state == "reconnecting":
             return "source lost", source.message
         if source.state == "ended":
@@ -263,7 +202,7 @@ class Emulator:
             self._busy = arrival.at_s, began_s
             recorder = self.recordings.recorder
             if recorder:
-                recorder.look(self.simulation, self._capture.request.shown)
+                recorder.look(self.simulation, self._source.shown)
             self.stages.labels("waiting").observe(began_s - arrival.at_s)
             give = partial(self._give, arrival, recorder, began_s, self.simulation.skipped)
             self.simulation.follow(arrival, give, lambda: self._mailbox.waiting > 0)

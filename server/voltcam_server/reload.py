@@ -9,8 +9,10 @@ from pydantic import BaseModel, ConfigDict
 from voltcam_video import SourceError
 
 from .camera_settings import CameraSettings
-from .cameras import Cameras, Plan, RunningCamera, Surroundings, plans_of
+from .cameras import Cameras
+from .plan import Plan, plans_of
 from .problems import UsageError, one_line
+from .running_camera import RunningCamera, Surroundings
 from .settings import Settings
 
 LIVE = {"source", "parameters", "camera"}  # what changes without an end of the stream

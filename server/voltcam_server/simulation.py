@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +12,8 @@ from voltcam_simulator import (
     EVENT,
     Camera,
     Device,
-    Drawn,
     GivenUpError,
     Law,
-    Limits,
     Parameters,
     Simulator,
 )
@@ -23,40 +21,22 @@ from voltcam_video import VIDEO_GAMMA, Frame, Image, fit
 
 from .beside import BesideEvents, DavisSettings
 from .camera_settings import Upsample
+from .camera_time import CameraTime
 from .compiling import CompiledEffects
 from .cores import threads_for
 from .interval import How, Interval, SimulationSetup, Start
 from .mailbox import Arrival
-from .overload import Load, OverloadSettings, coarser
+from .overload import Load, OverloadSettings
 from .parameter_changes import ParameterChanges
 from .problems import one_line
+from .under_way import Give, Pipeline, UnderWay
 from .upsampling import Upsampling
-
-PATIENCE_FRAMES = 10  # so many stamps in a row that do not advance mean that the source's clock was set back
-FIRST_PERIOD_US = 33_333
-Give = Callable[[Interval | None], None]
-
-
-class UnderWay(NamedTuple):
-    """An interval whose pixels are drawn, and whose events are still behind them."""
-
-    interval: Interval
-    """As it will be, but for its events, their end, and when they are ready."""
-    events: list[NDArray[np.void]]
-    """Up to the last of the frames in between."""
-    drawn: Drawn | None
-    """From there on."""
-    give: Give
-    span_us: int
-    missed: int
-    began_s: float
 
 
 class Simulation:
     """A camera fed frame by frame; `change` may be called from any thread.
 
-    Times run on across cuts and changes of source: a frame that starts again at an earlier time is moved to
-    one frame period after the last one, and those after it likewise. With upsample "cubic" frames are taken
+    Times run on across cuts and changes of source, see `CameraTime`. With upsample "cubic" frames are taken
     one later, when the curve beyond them is known.
 
     What is too much is skipped: an interval with two or more dropped frames in it that would take long, one
@@ -82,7 +62,6 @@ class Simulation:
         self.simulated = 0
         self.skipped = 0  # frames up to which nothing was simulated
         self.skipped_us = 0  # the time up to them
-        self.out_of_order = 0
         self.unusable = 0
         self.fault = ""  # why the last unusable frame was one
         self._compiled = CompiledEffects(law, device)
@@ -93,13 +72,8 @@ class Simulation:
         )
         self._changes = ParameterChanges(self._simulator)
         self._upsampling = Upsampling(upsample, camera)
-        self._last_us: int | None = None
-        self._shift_us = 0
-        self._period_us = FIRST_PERIOD_US
-        self._stuck = 0
-        self._under_way: UnderWay | None = None
-        self._lost: tuple[UnderWay, GivenUpError] | None = None  # its events were given up
-        self._free_s = 0.0  # since when there is time for the interval at hand
+        self._times = CameraTime()
+        self._pipeline = Pipeline(self._simulator, self.load, self._overload, self._reported)
 
     @property
     def parameters(self) -> tuple[Parameters, int]:
@@ -109,7 +83,12 @@ class Simulation:
     @property
     def shift_us(self) -> int:
         """What is added to the times of the source's frames."""
-        return self._shift_us
+        return self._times.shift_us
+
+    @property
+    def out_of_order(self) -> int:
+        """How many frames there were whose time did not advance."""
+        return self._times.out_of_order
 
     def change(self, changes: Mapping[str, Any]) -> tuple[Parameters, int]:
         """Change parameters, all at once, from the next interval on; returns them and their version.
@@ -144,11 +123,10 @@ class Simulation:
 
     def finish(self) -> None:
         """Give the interval that is under way, if there is one. For the thread that calls `follow`."""
-        self._report()
-        if self._lost is not None:
-            (interval, *_, give, span_us, _, _), error = self._lost
-            self._lost = None
-            give(self._given_up(interval, span_us, error))
+        self._pipeline.report()
+        if (lost := self._pipeline.take_lost()) is not None:
+            (interval, pixels, give), error = lost
+            give(self._given_up(interval, pixels.span_us, error))
 
     @property
     def setup(self) -> SimulationSetup:
@@ -162,7 +140,7 @@ class Simulation:
         self.finish()
         self._changes.take()
         return Start(
-            {} if self._last_us is None else self._simulator.snapshot(),
+            {} if self._times.last_us is None else self._simulator.snapshot(),
             follows=self._upsampling.follows,
             parameters=self._simulator.parameters,
             parameters_version=self._changes.version,
@@ -171,17 +149,12 @@ class Simulation:
 
     def _step(self, arrival: Arrival, give: Give) -> None:
         """Give what `step` returns, or leave it under way."""
-        t_us = arrival.frame.t_us + self._shift_us
-        span_us = 0 if self._last_us is None else t_us - self._last_us
-        cut = arrival.cut or self._last_us is None
-        if not cut and span_us <= 0:
-            self._stuck += 1
-            if self._stuck <= PATIENCE_FRAMES:
-                self.out_of_order += 1
-                self.finish()
-                give(None)
-                return
-            cut = True
+        place = self._times.place(arrival.frame.t_us, arrival.cut)
+        if place is None:
+            self.finish()
+            give(None)
+            return
+        t_us, span_us, cut = place
         image = fit(arrival.frame.image, self.camera.width, self.camera.height, arrival.fit)
         self._changes.take(arrival.frame.gamma, self.finish)
         if arrival.missed and not cut:
@@ -215,7 +188,8 @@ class Simulation:
             height, width = arrival.frame.image.shape
             raise ValueError(f"a recording of {width} x {height} pixels needs a camera of that size")
         self.finish()
-        start_us = t_us if cut or self._last_us is None else self._last_us
+        last_us = self._times.last_us
+        start_us = t_us if cut or last_us is None else last_us
         if len(events):
             start_us = min(start_us, int(events["t"][0]))
         self.simulated += 1
@@ -223,76 +197,21 @@ class Simulation:
 
     def _draw(self, frame: Frame, span_us: int, arrival: Arrival, give: Give) -> None:
         """The pixels up to a frame; the interval is under way then. Raises GivenUpError, ValueError."""
-        first, *others = self._upsampling.up_to(frame, self._shift_us)
-        began_s = time.monotonic()
-        until_s, left = began_s + self._overload.longest_work_s, self._overload.most_events
-        coarser = self._coarser(span_us, arrival.missed)
-        events: list[NDArray[np.void]] = []
+        frames = self._upsampling.up_to(frame, self.shift_us)
+        pixels = self._pipeline.draw(frames, span_us, arrival.missed)
+        self._times.period_us = span_us // (1 + arrival.missed)
+        nothing = np.empty(0, EVENT)
+        interval = self._done(nothing, pixels.start_us, frame, arrival, "advanced", pixels.coarser)
+        self._pipeline.leave(UnderWay(interval, pixels, give))
 
-        def drawn(step: Frame) -> Drawn | None:
-            limits = Limits(coarser, left, lambda: time.monotonic() > until_s)
-            now = self._simulator.draw(step.image, step.t_us, limits, self._report)
-            if self._lost is not None:
-                raise self._lost[1]
-            return now
-
-        try:
-            last = drawn(first)
-            start_us = self._simulator.complete_us  # only now is the interval before over
-            for step in others:
-                events.append(self._simulator.report(last))
-                left -= len(events[-1])
-                last = drawn(step)
-        except GivenUpError:
-            self._worked(began_s, span_us, arrival.missed)
-            raise
-        self._period_us = span_us // (1 + arrival.missed)
-        interval = self._done(np.empty(0, EVENT), start_us, frame, arrival, "advanced", coarser)
-        self._under_way = UnderWay(interval, events, last, give, span_us, arrival.missed, began_s)
-
-    def _report(self) -> None:
-        """Give the interval under way, its events known now; while pixels of the next are drawn, too."""
-        under_way, self._under_way = self._under_way, None
-        if under_way is None:
-            return
-        try:
-            under_way.events.append(self._simulator.report(under_way.drawn))
-        except GivenUpError as error:
-            self._lost = under_way, error  # for `finish`: the simulator must jump, which it cannot meanwhile
-            return
-        finally:
-            self._worked(under_way.began_s, under_way.span_us, under_way.missed)
+    def _reported(self, interval: Interval, give: Give) -> None:
         self.simulated += 1
-        events = under_way.events
-        under_way.give(
-            replace(
-                under_way.interval,
-                events=events[0] if len(events) == 1 else np.concatenate(events),
-                end_us=self._simulator.complete_us,
-                ready_s=time.monotonic(),
-            )
-        )
-        self._free_s = time.monotonic()
-
-    def _worked(self, began_s: float, span_us: int, missed: int) -> None:
-        """Count the time of an interval, but for what it shared with the one before."""
-        self.load.worked(time.monotonic() - max(began_s, self._free_s), span_us, missed)
-
-    def _coarser(self, span_us: int, missed: int) -> float:
-        """An interval in which a frame was dropped has the steps of one without: dropping it saves work."""
-        pixels = self.camera.width * self.camera.height
-        longest_us = self._simulator.parameters.longest_step_us
-        return max(1.0 + missed, coarser(span_us, longest_us, pixels))
+        give(interval)
 
     def _cut(self, image: Image, arrival: Arrival) -> Interval:
         """Go on from a frame that does not follow from the last one: no events for the change."""
-        t_us, last_us = arrival.frame.t_us, self._last_us
-        # No shift where time goes on by itself: cameras on one clock must stay on it.
-        shift_us = 0 if last_us is None or t_us > last_us else last_us + self._period_us - t_us
-        t_us += shift_us
         self.simulated += 1
-        self._shift_us = shift_us
-        return self._jump(image, t_us, arrival)
+        return self._jump(image, self._times.restart(arrival.frame.t_us), arrival)
 
     def _skip(
         self, image: Image, t_us: int, span_us: int, arrival: Arrival, why: str, how: How = "jumped"
@@ -330,9 +249,8 @@ class Simulation:
         how: How,
         coarser: float = 1.0,
     ) -> Interval:
-        self._last_us = frame.t_us
+        self._times.went_on(frame.t_us)
         self._upsampling.went_on(frame)
-        self._stuck = 0
         parameters = self._simulator.parameters
         beside = self._beside.until(frame.image, frame.t_us, parameters, jumped=how in ("jumped", "given up"))
         return Interval(

@@ -38,14 +38,16 @@ from voltcam_client.samples import (
 from voltcam_server.access import AccessSettings, SourceRules, Tokens
 from voltcam_server.api import Access, create_app
 from voltcam_server.camera_settings import CameraSettings
-from voltcam_server.cameras import Cameras, Plan, RunningCamera
+from voltcam_server.cameras import Cameras
 from voltcam_server.diagnosis import DiagnosisRunner
 from voltcam_server.emulator import Emulator
 from voltcam_server.mailbox import Arrival
 from voltcam_server.messages import Message
+from voltcam_server.plan import Plan
 from voltcam_server.recorder import RecordingPlan
 from voltcam_server.recording_file import RecordingFile
 from voltcam_server.reload import ReloadAnswer
+from voltcam_server.running_camera import RunningCamera
 from voltcam_server.transports import Transport, TransportStatus, WebSocketTransport
 from voltcam_simulator import Camera, Parameters
 from voltcam_video import Frame, SourceRequest

@@ -6,13 +6,14 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from voltcam_server.emulator import Emulator
 from voltcam_server.problems import UsageError
-from voltcam_video import Clock, Frame, Granted, SourceError, SourceRequest, SourceState
+from voltcam_video import Clock, Frame, Granted, SourceError, SourceRequest, SourceState, watch
 
 from .rig import (
     PATIENCE_S,
@@ -169,7 +170,14 @@ def test_the_old_camera_goes_on_when_it_comes_back(monkeypatch: pytest.MonkeyPat
         until(lambda: emulator.source.state == "running", "the camera is back")
 
 
-def test_what_is_asked_for_as_it_was_told_keeps_its_password() -> None:
+def test_what_is_asked_for_as_it_was_told_keeps_its_password(monkeypatch: pytest.MonkeyPatch) -> None:
+    watched: list[str] = []
+
+    def watching(request: SourceRequest, *given: Any) -> Any:
+        watched.append(request.uri)
+        return watch(request, *given)
+
+    monkeypatch.setattr("voltcam_server.capture.watch", watching)
     server = MjpegServer()
     uri = server.url.replace("://", "://robot:secret@")
     with emulating(SourceRequest(uri=uri, timeout_s=5)) as (emulator, listener):
@@ -177,7 +185,7 @@ def test_what_is_asked_for_as_it_was_told_keeps_its_password() -> None:
         told = emulator.source.request
         assert "secret" not in told.uri
         emulator.look_at(told.model_copy(update={"fit": "stretch"}))
-        assert emulator._capture.request.uri == uri
+        assert watched == [uri, uri]
         emulator.stop()
         server.die()
 

@@ -10,7 +10,8 @@ from tests.ports import free_port
 
 from voltcam_client import EventCamera
 from voltcam_server import reload as reload_module
-from voltcam_server.cameras import Cameras, Plan, plans_of
+from voltcam_server.cameras import Cameras
+from voltcam_server.plan import Plan, plans_of
 from voltcam_server.problems import UsageError
 from voltcam_server.reload import Reload, ReloadAnswer
 from voltcam_server.settings import Settings, load

@@ -7,8 +7,9 @@ import pytest
 from pydantic import ValidationError
 
 from voltcam_server.camera_settings import Upsample
+from voltcam_server.camera_time import PATIENCE_FRAMES
 from voltcam_server.overload import OverloadSettings
-from voltcam_server.simulation import PATIENCE_FRAMES, Simulation
+from voltcam_server.simulation import Simulation
 from voltcam_simulator import Limits, Parameters, Simulator
 from voltcam_video import Frame, between
 
