@@ -15,6 +15,7 @@ from .effect import Band, Effect, Image, Plane, State, overrides
 from .fixed_pattern import FixedPattern, lay_down
 from .frames import host_image
 from .groups import Motion, Pixels
+from .key_order import in_rising_order
 from .kicks import no_kicks
 from .law import Law
 from .limits import Limits
@@ -282,8 +283,7 @@ class PixelArray:
 
     def in_order(self, keys: Keys, span_us: int) -> Keys:
         """Keys of an interval of span_us, sorted."""
-        keys.sort()
-        return keys
+        return in_rising_order(keys)
 
     def abandon(self) -> None:
         """Leave the interval under way: its events are forgotten, each voltage is what it has come to."""

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from voltcam_simulator import EVENT
 from voltcam_simulator.effect import Events
 from voltcam_simulator.event_key import unpack_events
+from voltcam_simulator.key_order import in_rising_order
 
 SMALLEST_THRESHOLD = 0.01
 """Where both published tools clip the thresholds they draw [ln units]."""
@@ -41,9 +42,8 @@ class FramePixels(ABC):
         start_us, span_us = self._t_us, t_us - self._t_us
         if span_us <= 0:
             raise ValueError(f"the image at {t_us} us does not come after the last one at {start_us} us")
-        keys = self._step(light.ravel(), start_us, span_us)
+        keys = in_rising_order(self._step(light.ravel(), start_us, span_us))
         self._t_us = t_us
-        keys.sort()
         events = np.empty(keys.size, EVENT)
         unpack_events(keys, start_us, events)
         return events

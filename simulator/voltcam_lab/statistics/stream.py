@@ -12,6 +12,7 @@ from voltcam_lab.statistics.halves import HALVES
 from voltcam_lab.statistics.setting import Setting
 from voltcam_lab.statistics.strata import INTENSITIES, REST, SLOPES
 from voltcam_simulator.kernel import kernel
+from voltcam_simulator.key_order import in_rising_order
 
 _CLASSES = np.divmod(np.arange(INTENSITIES * SLOPES, dtype=np.int32), SLOPES)  # of each stratum's index
 NONE = -1
@@ -98,12 +99,14 @@ def _of_pixels(
     """`ends`, `between` and `in_any_light` of an EventTable with these columns, of these events."""
     shape = (HALVES, 2, len(setting.pixels))
     ends, between = np.full(shape, -1, np.int32), np.zeros(shape, np.int32)
-    find_ends(t_us, place, setting.halves.middle_us, ends)
-    t, x, y, p = (np.ascontiguousarray(events[name]) for name in "txyp")
-    count_between(t, x, y, p, setting.place, setting.scene.width, t_us, ends, between)
     in_any_light = np.zeros((HALVES, len(setting.pixels)), np.int32)
+    first_us, last_us = np.full((2, *in_any_light.shape), np.iinfo(np.int64).max)
+    find_ends(t_us, place, setting.halves.middle_us, ends, first_us, last_us)
+    t, x, y, p = (np.ascontiguousarray(events[name]) for name in "txyp")
     edges_us = setting.block_edges_us[0], setting.halves.middle_us, setting.block_edges_us[-1]
-    count_halves(t, x, y, setting.place, setting.scene.width, *edges_us, in_any_light)
+    count_events(
+        t, x, y, p, setting.place, setting.scene.width, *edges_us, first_us, last_us, between, in_any_light
+    )
     return ends, between, in_any_light
 
 
@@ -116,12 +119,12 @@ def ordered(setting: Setting, events: NDArray[np.void]) -> tuple[NDArray[np.int6
     t, x, y, p = (np.ascontiguousarray(events[name]) for name in "txyp")
     key = np.empty(len(events), np.int64)
     count = number(t, x, y, p, setting.block_edges_us, setting.place, setting.scene.width, bits, key)
-    return np.sort(key[:count]), bits
+    return in_rising_order(key[:count].view(np.uint64)).view(np.int64), bits
 
 
 @kernel
-def find_ends(t_us: Any, place: Any, middle_us: Any, ends: Any) -> None:
-    """Fill ends with the numbers of the first and last event of each pixel in each half."""
+def find_ends(t_us: Any, place: Any, middle_us: Any, ends: Any, first_us: Any, last_us: Any) -> None:
+    """Fill ends with the numbers of the first and last event of each pixel in each half, and their times."""
     for i in range(t_us.size):
         half, k = 1 if t_us[i] > middle_us else 0, place[i]
         if ends[half, 0, k] < 0:
@@ -132,29 +135,24 @@ def find_ends(t_us: Any, place: Any, middle_us: Any, ends: Any) -> None:
         for k in range(ends.shape[2]):
             if ends[half, 1, k] < 0:
                 ends[half, 0, k] = -1
+            else:
+                first_us[half, k], last_us[half, k] = t_us[ends[half, 0, k]], t_us[ends[half, 1, k]]
 
 
 @kernel
-def count_between(
-    t: Any, x: Any, y: Any, p: Any, places: Any, width: Any, t_us: Any, ends: Any, between: Any
-) -> None:
-    """Count events, in any order, that come after their pixel's first one in a half, up to its last."""
-    for i in range(t.size):
-        k = places[np.int64(y[i]) * width + x[i]]
-        for half in range(ends.shape[0]):
-            if k >= 0 and ends[half, 0, k] >= 0 and t_us[ends[half, 0, k]] < t[i] <= t_us[ends[half, 1, k]]:
-                between[half, np.int64(p[i]), k] += 1
-
-
-@kernel
-def count_halves(
-    t: Any, x: Any, y: Any, places: Any, width: Any, begin_us: Any, middle_us: Any, end_us: Any, n: Any
-) -> None:
-    """Count the events of each pixel in each half, in any order; before and behind none counts."""
+def count_events(
+    t: Any, x: Any, y: Any, p: Any, places: Any, width: Any, begin_us: Any, middle_us: Any, end_us: Any,
+    first_us: Any, last_us: Any, between: Any, in_any_light: Any,
+) -> None:  # fmt: skip
+    """Count the events of each pixel in each half, in any order, and of these those after its first one, up
+    to its last; before and behind none counts."""
     for i in range(t.size):
         k = places[np.int64(y[i]) * width + x[i]]
         if k >= 0 and begin_us < t[i] <= end_us:
-            n[1 if t[i] > middle_us else 0, k] += 1
+            half = 1 if t[i] > middle_us else 0
+            in_any_light[half, k] += 1
+            if first_us[half, k] < t[i] <= last_us[half, k]:
+                between[half, np.int64(p[i]), k] += 1
 
 
 @kernel

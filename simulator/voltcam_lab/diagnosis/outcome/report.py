@@ -11,7 +11,6 @@ from ..catalogue.entries import in_words
 from ..search.identify import Identifiability, mixed_up, percent, short, smallest
 from ..search.loop import Diagnosis
 from ..search.state import Search
-from ..search.step import SearchStep
 from ..session import Session
 from . import figures_events, figures_statistics
 from .result import FoundEffect, IntervalEstimate, Result
@@ -43,7 +42,7 @@ def page_of(
         gaps=_gaps(diagnosis),
         effects=_effects(result.effects),
         advice=[one for one in result.effects if one.next_recording],
-        tested=_tested(diagnosis.steps[-1]),
+        tested=_tested(diagnosis),
         overview=_overview(search.data, models),
         remains=_remains(diagnosis),
         figures=[
@@ -111,12 +110,15 @@ def _effects(effects: Sequence[FoundEffect]) -> Markup:
     return table(head, rows)
 
 
-def _tested(step: SearchStep) -> Markup:
+def _tested(diagnosis: Diagnosis) -> Markup:
     """What else was fitted, last, and why it was not taken."""
+    tried = next((step.trials for step in reversed(diagnosis.steps) if step.trials), ())
+    added = [one.trial for one in diagnosis.found]
     rows = [
         [trial.candidate.effect, ", ".join(trial.candidate.names), trial.gained, trial.confirmed]
-        for trial in step.trials
-    ]  # fmt: skip
+        for trial in tried
+        if trial not in added
+    ]
     return table(["effect", "parameters", "less gap in training", "less gap held out"], rows)
 
 

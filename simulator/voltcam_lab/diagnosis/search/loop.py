@@ -22,7 +22,7 @@ from .proof import (
 )
 from .spread import flat
 from .state import Search
-from .step import SearchStep, base_fitted, in_any_light, step_of, tried_in_any_light
+from .step import SearchStep, base_fitted, in_any_light, step_of, tried_in_any_light, with_trials
 from .trial import Trial
 from .unlisted import ResidualTerm, residual_of, residual_step
 
@@ -79,8 +79,12 @@ def diagnose(search: Search, hypothesis: Hypothesis) -> Diagnosis:
     steps: list[SearchStep] = [step]
     found: list[Found] = []
     open_step: SearchStep | None = None
-    while len(found) < settings.most_effects and (trial := best_to_add(settings, step)):
+    while len(found) < settings.most_effects:
         if found and not more_than_light(step, steps[0], None, settings):
+            break
+        step = steps[-1] = _tried(search, step)
+        trial = best_to_add(settings, step)
+        if trial is None:
             break
         chain = _explained(search, [*steps], trial, settings.longest_chain)
         if chain is None:
@@ -145,14 +149,26 @@ def _explained(
     search.say(_weighed(found))
     if found.enough(settings.naming):
         return [(Found(trial, step, rivals_of(settings, step, trial), found), after)]
+    if most == 1:
+        return None
+    after = _tried(search, after)
     following = best_to_add(settings, after)
-    if most == 1 or following is None:
+    if following is None:
         return None
     rest = _explained(search, [*steps, after], following, most - 1, chain + 1)
     if rest is None:
         return None
     one = Found(trial, step, rivals_of(settings, step, trial), rest[-1][0].evidence)
     return [(one, after), *rest]
+
+
+def _tried(search: Search, step: SearchStep) -> SearchStep:
+    """The step with its trials, and a word on them."""
+    if step.plan is None:
+        return step
+    step = with_trials(search, step)
+    search.say(_in_trials(step))
+    return step
 
 
 def _by_any_light(search: Search, step: SearchStep) -> tuple[Found, SearchStep] | None:
@@ -241,8 +257,12 @@ def _needed(search: Search, found: list[Found], hypothesis: Hypothesis) -> list[
 def _sentence(step: SearchStep) -> str:
     gap = (
         f"Gap {step.training:.2f} in training and {step.held_out:.2f} in held-out data, where chance leaves"
-        f" {step.floor_training:.2f}"
+        f" {step.floor_training:.2f}."
     )
+    return gap if step.plan else f"{gap} {_in_trials(step)}"
+
+
+def _in_trials(step: SearchStep) -> str:
     if not step.trials:
-        return f"{gap}. No effect explains more of it than chance lets one."
-    return f"{gap}; {step.trials[0].candidate.effect} explains most of it."
+        return "No effect explains more of it than chance lets one."
+    return f"{step.trials[0].candidate.effect} explains most of it."

@@ -13,6 +13,7 @@ def confirmed_trials(settings: SearchSettings, step: SearchStep) -> list[Trial]:
 
     The gap there may be smaller, of a few hot pixels: no more than that can be confirmed.
     """
+    assert step.plan is None, "trials are made first"
     proof, gap_there = settings.proof, step.held_out - step.floor_held_out
     if step.p_value > settings.score_test.alpha:
         return []

@@ -17,13 +17,23 @@ from .state import Search
 from .trial import Trial, TrialBench
 
 
+@dataclass(frozen=True)
+class TrialPlan:
+    """Which effects are to be tried, if a score has so small a p-value, and is as large."""
+
+    candidates: tuple[Candidate, ...]
+    alpha: float
+    least_score: float
+
+
 @dataclass(frozen=True, eq=False)
 class SearchStep:
     """Where the search is: gaps of the hypothesis in training and held-out parts, what chance alone would
     leave (floors), the scores of the score test, the least training loss that counts, and the trials, best
     first: none where scores are within chance or next to nothing. All of these are by the statistics that the
     screen sees; the p-value of one that sees all is that of both views. rest: (PARTS, n) deviations that base
-    parameters do not take up, in units of the sd; chance: (PARTS, n) the mean loss of twins."""
+    parameters do not take up, in units of the sd; chance: (PARTS, n) the mean loss of twins. plan: of trials
+    that have not been made, see `with_trials`: they take most of the time, and many a step needs none."""
 
     hypothesis: Hypothesis
     screen: Screen
@@ -36,7 +46,8 @@ class SearchStep:
     scores: NDArray[np.float64]
     p_value: float
     least: float
-    trials: tuple[Trial, ...]
+    trials: tuple[Trial, ...] = ()
+    plan: TrialPlan | None = None
 
     @property
     def excess(self) -> float:
@@ -72,34 +83,40 @@ def step_of(
     candidates: Sequence[Candidate] | None = None,
     first: SearchStep | None = None,
 ) -> SearchStep:
-    """Look at the gap of a fitted hypothesis. candidates: in place of all. first: the step before there was
-    any effect in it."""
+    """Look at the gap of a fitted hypothesis; its trials are planned. candidates: in place of all. first: the
+    step before there was any effect in it."""
     settings = search.settings
-    candidates = search.candidates if candidates is None else candidates
+    candidates = tuple(search.candidates if candidates is None else candidates)
     spread = spread_of(search.rig, hypothesis, settings.runs.twins, settings)
     screen = screen_of(search.rig, hypothesis, spread, candidates, settings)
     step = _untried(search, screen)
     step = replace(step, p_value=min(step.p_value, _untried(search, screen.in_any_light).p_value))
     test = settings.score_test
     if first is None:
-        return _tried(search, step, candidates, test.alpha, test.tried_share * step.least)
+        return replace(step, plan=TrialPlan(candidates, test.alpha, test.tried_share * step.least))
     least = test.least_gain_share * screen.flat(step.rest).size * (first.training - step.training)
-    step = replace(step, least=max(step.least, least))
-    return _tried(search, step, candidates, test.next_alpha, step.least)
+    least = max(step.least, least)
+    return replace(step, least=least, plan=TrialPlan(candidates, test.next_alpha, least))
 
 
 def in_any_light(search: Search, step: SearchStep) -> SearchStep:
-    """The same look by the statistics of any light alone, without trials."""
+    """The same look by the statistics of any light alone."""
     return _untried(search, step.screen.in_any_light)
 
 
 def tried_in_any_light(search: Search, step: SearchStep) -> SearchStep:
     """The same, where no effect is in the hypothesis yet, with trials.
 
-    Light has no part in these statistics, so what is more than chance in them is worth a trial.
+    Light has no part in these statistics, so what is more than chance in them is worth a trial. Where all
+    statistics show more than light leaves, only effects are tried that were seen to leave no more.
     """
     test, other = search.settings.score_test, in_any_light(search, step)
-    return _tried(search, other, search.candidates, test.alpha, test.tried_share * other.least)
+    most = step.floor_training + search.settings.most_by_light + search.settings.proof.few_runs
+    able = [trial.candidate for trial in step.trials if trial.training <= most]
+    worth = [step.training <= most or one.candidate in able for one in other.screen.signatures]
+    other = replace(other, scores=np.where(worth, other.scores, 0.0))
+    plan = TrialPlan(tuple(search.candidates), test.alpha, test.tried_share * other.least)
+    return with_trials(search, replace(other, plan=plan))
 
 
 def _untried(search: Search, screen: Screen) -> SearchStep:
@@ -117,22 +134,21 @@ def _untried(search: Search, screen: Screen) -> SearchStep:
         least = screen.chance.gain_of(settings.score_test.alpha / VIEWS)
     return SearchStep(
         screen.hypothesis, screen, rest, chance, training, held_out, floor_training, floor_held_out,
-        screen.gains(z), screen.p_value(z), least, trials=(),
+        screen.gains(z), screen.p_value(z), least,
     )  # fmt: skip
 
 
-def _tried(
-    search: Search, step: SearchStep, candidates: Sequence[Candidate], alpha: float, least_score: float
-) -> SearchStep:
-    """The step with its trials, if a score has so small a p-value, and is as large."""
-    if step.p_value > alpha or step.scores.max() <= least_score:
+def with_trials(search: Search, step: SearchStep) -> SearchStep:
+    """The step with the trials that are planned, if there are such."""
+    plan, step = step.plan, replace(step, plan=None)
+    if plan is None or step.p_value > plan.alpha or step.scores.max() <= plan.least_score:
         return step
     spread = step.screen.spread
     bench = TrialBench(
         search, step.screen, step.rest * (spread.sd / spread.inflated_sd),
         step.floor_training + search.settings.trials.at_chance,
     )  # fmt: skip
-    chosen = _chosen(search, step.screen, candidates, step.scores, step.training)
+    chosen = _chosen(search, step.screen, plan.candidates, step.scores, step.training)
     return replace(step, trials=_trials(bench, chosen, step.scores))
 
 

@@ -9,7 +9,7 @@ from .hypothesis import Hypothesis
 from .settings import SearchSettings
 from .settings_proof import OpenRoute
 from .state import Search
-from .step import SearchStep, step_of
+from .step import SearchStep, step_of, with_trials
 from .trial import Trial
 
 
@@ -54,7 +54,7 @@ def forms(parameters: Parameters, route: OpenRoute, whole: bool = True) -> tuple
 def residual_step(search: Search, hypothesis: Hypothesis) -> SearchStep:
     """A step of the search over the forms instead of the catalogue."""
     tried = forms(hypothesis.parameters(), search.settings.open_route, search.whole)
-    return step_of(search, hypothesis, tried)
+    return with_trials(search, step_of(search, hypothesis, tried))
 
 
 def residual_of(settings: SearchSettings, step: SearchStep, confirmed: Trial) -> ResidualTerm:

@@ -6,7 +6,7 @@ import pytest
 from voltcam_lab.diagnosis.search.hypothesis import Hypothesis
 from voltcam_lab.diagnosis.search.settings import DEFAULTS
 from voltcam_lab.diagnosis.search.state import Search
-from voltcam_lab.diagnosis.search.step import base_fitted, step_of
+from voltcam_lab.diagnosis.search.step import base_fitted, step_of, with_trials
 from voltcam_lab.diagnosis.search.unlisted import residual_step
 from voltcam_lab.statistics import FLOORS, PARTS, Values
 from voltcam_simulator import Parameters
@@ -56,7 +56,8 @@ def test_an_effect_is_fitted_from_the_camera_file_too_where_the_base_stands_in_f
     data = barred(MISMATCH.on(START, (0.1,))) + rig.noise(4711)
     base = base_fitted(Search(rig, data, CATALOGUE), Hypothesis(START))
     assert base.shift[0] > 0.7, "it stands in for the effect"
-    best = step_of(Search(rig, data, CATALOGUE), base).trials[0]
+    search = Search(rig, data, CATALOGUE)
+    best = with_trials(search, step_of(search, base)).trials[0]
     assert best.candidate == MISMATCH
     assert best.hypothesis.sizes()[0][0] == pytest.approx(0.1, rel=0.2)
     assert abs(best.hypothesis.shift[0]) < 0.1
@@ -77,7 +78,8 @@ def test_an_effect_that_the_base_stands_in_for_is_looked_for_from_the_camera_fil
     data = lost(MISMATCH.on(START, (0.1,))) + rig.noise(4711)
     base = base_fitted(Search(rig, data, CATALOGUE), Hypothesis(START))
     assert base.off_prior(DEFAULTS)
-    best, *others = step_of(Search(rig, data, CATALOGUE), base).trials
+    search = Search(rig, data, CATALOGUE)
+    best, *others = with_trials(search, step_of(search, base)).trials
     assert best.candidate == MISMATCH
     assert best.hypothesis.sizes()[0][0] == pytest.approx(0.1, rel=0.2)
     assert abs(best.hypothesis.shift[0]) < 0.1
