@@ -28,6 +28,7 @@ IN_NO_CAMERA = Parameters().changed({"residual_kick": {"after_on": 0.1}})
 """What compiles so long (16 s) that a daemon would miss frames."""
 STILL_FRAMES, STILL_US = 20, 500_000  # still so long that rows are drawn ahead, and their clock begins anew
 SUDDEN_US = 100  # in which all pixels fire: events so dense are sorted in another way
+WIDTH, HEIGHT = 40, 30  # pixels that together have more events than a library sorts faster
 LIMIT_S = 600  # for one target, which takes 13
 Signature = tuple[str, str, Any]
 """Module and name of a kernel, and Numba's types of its arguments."""
@@ -53,10 +54,10 @@ def used_signatures() -> list[Signature]:
     needs = [*map(Parameters.of, camera_names()), IN_NO_CAMERA]
     for parameters, law, dtype, gamma in product(needs, get_args(Law), (np.uint8, np.float32), (1.0, 2.2)):
         coded = parameters.changed({"input_response": {"gamma_exponent": gamma}})
-        simulator = Simulator(16, 12, coded, law, seed=1)
+        simulator, dark = Simulator(WIDTH, HEIGHT, coded, law, seed=1), np.full((HEIGHT, WIDTH), 20, dtype)
         for i in range(1 + STILL_FRAMES):  # dark, then bright, at last dark at once
-            simulator.advance(np.full((12, 16), 200 if i else 20, dtype), i * STILL_US)
-        simulator.advance(np.full((12, 16), 20, dtype), STILL_FRAMES * STILL_US + SUDDEN_US)
+            simulator.advance(np.full_like(dark, 200) if i else dark, i * STILL_US)
+        simulator.advance(dark, STILL_FRAMES * STILL_US + SUDDEN_US)
     return [(k.py_func.__module__, k.__name__, types) for k in _kernels() for types in k.overloads]
 
 
