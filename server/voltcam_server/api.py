@@ -23,7 +23,7 @@ from .access import AccessError, Guard, SourceRules, Tokens, session_routes
 from .access.session import Sessions
 from .camera_api import camera_routes, stream_routes
 from .cameras import Cameras, NoCameraError
-from .diagnosis_api import diagnosis_routes
+from .diagnosis.api import diagnosis_routes
 from .metrics import CONTENT_TYPE, prometheus
 from .openapi import describe
 from .problems import UsageError, one_line

@@ -10,7 +10,7 @@ from voltcam_client.cli_arguments import seconds
 from voltcam_client.formats import read
 from voltcam_simulator import Camera
 
-from .cli import run_daemon
+from .cli_serve import run_daemon
 from .replay_source import SCHEME
 from .verify import verify
 

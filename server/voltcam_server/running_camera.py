@@ -13,7 +13,7 @@ from voltcam_video import Clock, SourceError
 from .bias_panel import BiasPanel
 from .camera_settings import EncodingName
 from .camera_transports import CameraTransports, end_all
-from .diagnosis import DiagnosisRunner
+from .diagnosis.runner import DiagnosisRunner
 from .emulator import Emulator
 from .plan import Plan
 from .problems import UsageError, one_line

@@ -39,7 +39,7 @@ from voltcam_server.access import AccessSettings, SourceRules, Tokens
 from voltcam_server.api import Access, create_app
 from voltcam_server.camera_settings import CameraSettings
 from voltcam_server.cameras import Cameras
-from voltcam_server.diagnosis import DiagnosisRunner
+from voltcam_server.diagnosis.runner import DiagnosisRunner
 from voltcam_server.emulator import Emulator
 from voltcam_server.mailbox import Arrival
 from voltcam_server.messages import Message
