@@ -1,15 +1,13 @@
-"""What the server's tests run: small emulators in process, `voltcam serve` itself, a stream that dies."""
+"""What the server's tests run: small emulators in process, `voltcam serve` itself."""
 
 import contextlib
 import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
-import cv2
 import httpx
 import msgpack
 import numpy as np
@@ -54,8 +52,6 @@ from voltcam_video import Frame, SourceRequest
 
 NO_ZMQ = "tcp://127.0.0.1:5560"  # as a camera says; nobody is there
 PATIENCE_S = 30.0  # how long a test waits for something that happens in well under a second
-
-
 SCENE = SourceRequest(uri="scene", fps=100, width=48, height=32, fit="stretch")
 
 
@@ -226,47 +222,6 @@ def web_server(app: FastAPI) -> Iterator[str]:
     finally:
         server.should_exit = True
         thread.join()
-
-
-class MjpegServer:
-    """An HTTP camera, 50 frames per second of moving bars; it dies, and another comes back on its port."""
-
-    def __init__(self, port: int = 0) -> None:
-        self._dead = threading.Event()
-        camera = self
-
-        class Handler(BaseHTTPRequestHandler):
-            def log_message(self, format: str, *args: object) -> None:
-                pass
-
-            def do_GET(self) -> None:
-                self.send_response(200)
-                self.send_header("Content-Type", "multipart/x-mixed-replace; boundary=frame")
-                self.end_headers()
-                with contextlib.suppress(OSError):  # the client left
-                    camera._send(self.wfile.write)
-
-        self._http = ThreadingHTTPServer(("127.0.0.1", port), Handler)
-        self._http.daemon_threads = True
-        self.port = self._http.server_address[1]
-        self.url = f"http://127.0.0.1:{self.port}/"
-        self._thread = threading.Thread(target=self._http.serve_forever, args=(0.02,))
-        self._thread.start()
-
-    def _send(self, write: Callable[[bytes], object]) -> None:
-        image, i = np.tile(np.repeat(np.array([40, 200], np.uint8), 8), (48, 4)), 0
-        while not self._dead.wait(0.02):
-            jpeg = cv2.imencode(".jpg", np.roll(image, i, axis=1))[1].tobytes()
-            head = f"--frame\r\nContent-Type: image/jpeg\r\nContent-Length: {len(jpeg)}\r\n\r\n"
-            write(head.encode() + jpeg + b"\r\n")
-            i += 1
-
-    def die(self) -> None:
-        """Closes all connections and the port."""
-        self._dead.set()
-        self._http.shutdown()
-        self._thread.join()
-        self._http.server_close()
 
 
 LIVELY = {"comparator": {"theta_on": 0.3, "theta_off": 0.3}}

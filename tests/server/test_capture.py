@@ -15,10 +15,10 @@ from voltcam_server.emulator import Emulator
 from voltcam_server.problems import UsageError
 from voltcam_video import Clock, Frame, Granted, SourceError, SourceRequest, SourceState, watch
 
+from .mjpeg_server import MjpegServer
 from .rig import (
     PATIENCE_S,
     SCENE,
-    MjpegServer,
     emulating,
     gap_free,
     in_order,
