@@ -22,7 +22,7 @@ MOST_BEYOND = 0.05
 WRITTEN = (
     "evaluation.md",
     "hidden-effects.md",
-    "hidden-effects-36000.md",
+    "hidden-effects-40000.md",
     "hidden-effects-earlier.md",
     "calibration-accuracy.md",
     "reconstruction-study.md",

@@ -128,8 +128,8 @@ def _remains(diagnosis: Diagnosis, settings: SearchSettings) -> Unexplained | No
         for step in found.telling
     ]
     return Unexplained(
-        nats=found.noticed, floor=found.floor, evidence=found.evidence,
-        by_light=settings.naming.light_nats, kinds=kinds,
+        nats=found.noticed, floor=found.by_light.floor, evidence=found.evidence,
+        by_light=settings.naming.light_nats + found.by_larger_errors, kinds=kinds,
     )  # fmt: skip
 
 

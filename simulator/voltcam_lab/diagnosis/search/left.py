@@ -1,7 +1,8 @@
 """Whether more is left than light between frames and the forms of effects leave, by both views of it.
 
 Statistics of strips give an excess, in units of chance; all pixels give evidence in nats. Where nothing is
-missing, light leaves something of either: an amount that is exponential about its mean. Both views together
+missing, light leaves something of either: an amount that is exponential about its mean. How large the light's
+errors are is not known well, so what larger ones leave in nats is a part of that mean. Both views together
 are Fisher's combination of the two probabilities (Statistical Methods for Research Workers, 1932).
 """
 
@@ -34,4 +35,5 @@ def by_light(step: SearchStep, first: SearchStep, remains: Remains | None, namin
     share = max(step.excess, 0.0) / mean
     if found or remains is None:
         return float(np.exp(-share))
-    return float(gamma.sf(share + max(remains.evidence, 0.0) / naming.light_nats, 2))
+    nats = max(remains.evidence, 0.0) / (naming.light_nats + remains.by_larger_errors)
+    return float(gamma.sf(share + nats, 2))

@@ -130,7 +130,7 @@ def _remains(search: Search, hypothesis: Hypothesis) -> Remains | None:
     search.say(
         f"{1000 * remains.noticed:.1f} millinats an event tell them apart, beyond what the light leaves open."
         f" In all these are {remains.evidence:.0f} nats. Where nothing is missing, the mean is"
-        f" {search.settings.naming.light_nats:.0f}."
+        f" {search.settings.naming.light_nats + remains.by_larger_errors:.0f}."
     )
     return remains
 
@@ -255,11 +255,10 @@ def _needed(search: Search, found: list[Found], hypothesis: Hypothesis) -> list[
 
 
 def _sentence(step: SearchStep) -> str:
-    gap = (
+    return (
         f"Gap {step.training:.2f} in training and {step.held_out:.2f} in held-out data, where chance leaves"
         f" {step.floor_training:.2f}."
     )
-    return gap if step.plan else f"{gap} {_in_trials(step)}"
 
 
 def _in_trials(step: SearchStep) -> str:

@@ -15,7 +15,7 @@ from voltcam_simulator import Parameters
 from ...statistics import IN_ANY_LIGHT, Values
 from ..catalogue.candidate import Candidate
 from ..rig.rig import Rig
-from .chance import Chance
+from .chance import Chance, of_two_views
 from .hypothesis import Hypothesis
 from .robust import RobustFit, robust_fit
 from .settings import SearchSettings
@@ -79,8 +79,8 @@ class Screen:
         return np.array([max(found.gain - own, 0.0) if found.x[-1] > 0 else 0.0 for found in both])
 
     def p_value(self, z: NDArray[np.float64]) -> float:
-        """How often twins and light gain as much where nothing is missing; this being one of VIEWS."""
-        return min(VIEWS * self.chance.p_value(float(self.gains(z).max())), 1.0)  # Bonferroni's bound
+        """How often twins and light gain as much where nothing is missing, in this view or the other one."""
+        return of_two_views(self.chance.p_value(float(self.gains(z).max())), second=not self.seen.all())
 
     def with_effect(self, z: NDArray[np.float64], one: Signature) -> RobustFit:
         """Amounts of the hypothesis' own parameters, of the light and, last, of an effect that fit z best."""

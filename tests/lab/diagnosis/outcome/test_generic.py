@@ -14,7 +14,7 @@ from voltcam_lab.diagnosis.outcome.generic import generic_of, term_in_words
 from voltcam_lab.diagnosis.outcome.report import page_of
 from voltcam_lab.diagnosis.residual.fit import GenericTerm
 from voltcam_lab.diagnosis.residual.shapes import KickShape
-from voltcam_lab.diagnosis.rig.whole import NOTICEABLE, Remains, WholeSensor
+from voltcam_lab.diagnosis.rig.whole import NOTICEABLE, LeftOpen, Remains, WholeSensor
 from voltcam_simulator import Parameters
 
 from ..conftest import Done
@@ -29,7 +29,7 @@ def told(nats: float) -> ToldApart:
 
 
 def term(sensor: WholeSensor, parameters: Parameters) -> GenericTerm:
-    before, after = (Remains(told(nats), sensor.look, (told(0.001),)) for nats in (0.08, 0.012))
+    before, after = (Remains(told(nats), sensor.look, LeftOpen((told(0.001),))) for nats in (0.08, 0.012))
     return GenericTerm(SHAPE, before, after, SHAPE.on(parameters))
 
 
@@ -71,7 +71,7 @@ def test_of_what_is_unknown_the_kind_is_told_if_it_matters(
 ) -> None:
     clock = Covariate("clock", "clock", "way from tick to tick", 2)
     step = Telling(clock, nats, np.zeros((2, 2)), np.full((2, 2), 0.5))
-    look, by_light = done.session.sensor.look, (told(0.0),)
+    look, by_light = done.session.sensor.look, LeftOpen((told(0.0),))
     left = Remains(ToldApart(0.0, {}, (step,), (1000, 1000)), look, by_light)
     without = replace(done.diagnosis, verdict=verdict, found=(), covariance=None, remains=left)
     result = result_of(done.session, done.search, done.identifiability, without)

@@ -10,7 +10,7 @@ from voltcam_client.formats import Recording
 from voltcam_lab.dependence.covariates import COVARIATES, Look
 from voltcam_lab.dependence.told_apart import Telling, ToldApart
 from voltcam_lab.diagnosis.rig.settings import DEFAULT_RECORDING, DEFAULT_RIG
-from voltcam_lab.diagnosis.rig.whole import Remains, WholeSensor
+from voltcam_lab.diagnosis.rig.whole import LeftOpen, Remains, WholeSensor
 from voltcam_lab.diagnosis.session import whole_sensor
 from voltcam_lab.light.frame_light import FrameLight
 from voltcam_lab.recordings import Footage, with_frames
@@ -54,14 +54,17 @@ def test_first_events_after_light_that_is_not_known_are_not_judged(footage: Foot
     assert whole.remains(CAMERA, steps=0).told.events[0] == judged.sum()
 
 
-@pytest.mark.parametrize(("gain", "events", "told"), [
-    (0.004, 400, True), (0.002, 400, False), (0.001, 60_000, True), (0.0005, 60_000, False),
+@pytest.mark.parametrize(("gain", "larger", "events", "told"), [
+    (0.004, 0.0, 400, True), (0.002, 0.0, 400, False), (0.001, 0.0, 60_000, True),
+    (0.0005, 0.0, 60_000, False), (0.004, 0.001, 400, False), (0.0065, 0.001, 400, True),
 ])  # fmt: skip
 def test_a_kind_is_told_for_three_millinats_or_for_36_nats_of_all_events(
-    gain: float, events: int, told: bool
+    gain: float, larger: float, events: int, told: bool
 ) -> None:
+    """Beyond three times what larger errors of the light leave: so much in one of twenty recordings."""
     none = np.zeros((2, 1))
     step = Telling(COVARIATES[0], gain, none, none)
     alike = ToldApart(0.0, {}, (step,), (events, events))
+    open_ = LeftOpen((ToldApart(0.0, {}, (), (1, 1)),), (ToldApart(larger, {}, (), (1, 1)),))
     look = Look(1, 1, FrameLight(np.zeros((2, 1, 1), np.uint8), np.arange(2)), none[0], none[0])
-    assert bool(Remains(alike, look, (alike,)).telling) == told
+    assert bool(Remains(alike, look, open_).telling) == told

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from voltcam_lab.diagnosis.search.chance import Chance
+from voltcam_lab.diagnosis.search.chance import RARE, Chance, of_two_views
 
 TWINS, LIGHT_GAIN = 28, 3.0
 
@@ -46,3 +46,15 @@ def test_twins_that_gain_nothing_do_not_make_any_gain_a_wonder() -> None:
     none = Chance(np.zeros(TWINS))
     assert none.p_value(1.0) > 0.1
     assert none.p_value(20.0) == pytest.approx(np.exp(-20 - np.euler_gamma), rel=0.01)
+
+
+def test_of_two_views_the_smaller_p_value_is_uniform() -> None:
+    """Of independent ones; and of a second view with a lump of large ones. Wrong: 1e-4."""
+    p_values = np.random.default_rng(8).random((2, 2000))
+    for second in (p_values[1], np.where(p_values[1] > RARE, 0.45, p_values[1])):
+        both = [
+            min(of_two_views(a, second=False), of_two_views(b, second=True))
+            for a, b in zip(p_values[0], second, strict=True)
+        ]
+        assert stats.kstest(both, "uniform").pvalue > 1e-4
+    assert of_two_views(0.004, second=True) == pytest.approx(0.008, rel=0.01)

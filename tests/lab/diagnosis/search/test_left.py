@@ -16,8 +16,8 @@ from ..made_steps import step, trial
 NAMING = DEFAULTS.naming
 
 
-def told(nats: float) -> Any:
-    return SimpleNamespace(evidence=nats)
+def told(nats: float, by_larger_errors: float = 0.0) -> Any:
+    return SimpleNamespace(evidence=nats, by_larger_errors=by_larger_errors)
 
 
 def alone(excess: float, nats: float | None = None) -> float:
@@ -35,6 +35,18 @@ def test_probabilities_are_uniform_where_light_leaves_what_it_leaves_in_the_mean
     both = [alone(one, other) for one, other in zip(excess, nats, strict=True)]
     assert kstest(strips, "uniform").pvalue > 1e-3
     assert kstest(both, "uniform").pvalue > 1e-3
+
+
+def test_nats_that_larger_errors_of_the_light_leave_are_no_evidence() -> None:
+    """Kolmogorov and Smirnov's p above .001 for 2000 recordings."""
+    rng, larger = np.random.default_rng(12), 100.0
+    excess = [step(one) for one in rng.exponential(NAMING.light, 2000)]
+    nats = rng.exponential(NAMING.light_nats + larger, 2000)
+    both = [by_light(e, e, told(one, larger), NAMING) for e, one in zip(excess, nats, strict=True)]
+    assert kstest(both, "uniform").pvalue > 1e-3
+    none = step(0.0)
+    assert more_than_light(none, none, told(200.0), DEFAULTS)
+    assert not more_than_light(none, none, told(200.0, larger), DEFAULTS)
 
 
 @pytest.mark.parametrize(
