@@ -1,6 +1,5 @@
 """The simulator: frames one by one in, time-sorted events out, every pixel's voltage kept between them."""
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import starmap
 from typing import Any, NamedTuple
@@ -10,18 +9,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from .camera_file import SIDE_LIMIT
 from .effect import EVENT, Events, Image, Plane
-from .event_key import TIME_BITS, unpack_events
+from .event_key import unpack_events
 from .event_stages import NO_PLANE, EventStages
 from .fixed_pattern import FixedPattern
 from .law import Law
+from .light_path import LightPath, span_between
 from .limits import GivenUpError, Limits
 from .parameters import Parameters
-from .pixel_array import PixelArray, nothing
+from .pixel_array import nothing
 from .sensor_pixels import Device, device_events, sensor_pixels
 from .workspace import Keys
 
 NO_LIMITS = Limits()
-LONGEST_INTERVAL_US = 2**TIME_BITS - 1
 
 
 class Drawn(NamedTuple):
@@ -72,8 +71,7 @@ class Simulator:
         self._threads = threads if device == "cpu" else 1
         self.device = device
         self._pixels = sensor_pixels(device, width, height, law, seed, threads)
-        self._frame: Image | None = None
-        self._t_us = 0
+        self._path = LightPath(self._pixels)
         self._intervals = 0
         self._stages = EventStages(self._pixels)
         self.parameters = parameters if parameters is not None else Parameters()
@@ -81,7 +79,7 @@ class Simulator:
     @property
     def state_bytes(self) -> int:
         """Memory of the state, without the events of an interval."""
-        frame = 0 if self._frame is None else self._frame.nbytes
+        frame = 0 if self._path.image is None else self._path.image.nbytes
         return self._pixels.state_bytes + frame
 
     @property
@@ -117,8 +115,8 @@ class Simulator:
         self._pixels.configure(pattern)
         self._stages.configure(parameters)
         self._parameters = parameters
-        if self._frame is not None:  # the same light gives another voltage now: that is no change of light
-            self._pixels.settle(self._frame, self._t_us)
+        if self._path.image is not None:  # the same light gives another voltage: that is no change of light
+            self._pixels.settle(self._path.image, self._path.t_us)
 
     def advance(self, frame: ArrayLike, t_us: int, limits: Limits = NO_LIMITS) -> Events:
         """The events between the last frame and this one, sorted by time.
@@ -155,17 +153,21 @@ class Simulator:
         `advance` does; where it is ValueError, meanwhile has not been called.
         """
         image = self._pixels.image(frame)
-        if self._frame is None:
+        if self._path.image is None:
             self._jumped(image, t_us)
             return None
+        start_us = self._path.t_us
+        span_between(start_us, t_us, start_us)
+        if self._threads == 1 or self._stages.feed_back:
+            meanwhile()
+            meanwhile = nothing
         try:
-            self._follow(image, t_us, self._t_us, limits, meanwhile)
-            drawn = self._drawn(self._t_us, t_us, limits)
+            self._path.follow(image, t_us, start_us, limits, meanwhile)
+            drawn = self._drawn(start_us, t_us, limits)
         except GivenUpError:
             self._pixels.abandon()
             raise
-        self._frame, self._t_us = image, t_us
-        self._intervals += 1
+        self._path.image, self._path.t_us = image, t_us
         return drawn
 
     def advance_along(self, frames: Iterable[tuple[ArrayLike, int]]) -> Events:
@@ -179,19 +181,17 @@ class Simulator:
         if self._stages.feed_back or self._stages.see_light:
             return np.concatenate([np.empty(0, EVENT), *starmap(self.advance, frames)])
         path = iter(frames)
-        if self._frame is None and (first := next(path, None)):
+        if self._path.image is None and (first := next(path, None)):
             self._jumped(self._pixels.image(first[0]), first[1])
-        start_us = self._t_us
+        start_us = self._path.t_us
         try:
-            self._follow_path(path, start_us)
+            self._path.follow_all(path, start_us, NO_LIMITS)
         except BaseException:
             self._pixels.abandon()
             raise
-        if self._t_us == start_us:
+        if self._path.t_us == start_us:
             return np.empty(0, EVENT)
-        drawn = self._drawn(start_us, self._t_us, NO_LIMITS)
-        self._intervals += 1
-        return self.report(drawn)
+        return self.report(self._drawn(start_us, self._path.t_us, NO_LIMITS))
 
     def stream(self, frames: Iterable[tuple[ArrayLike, int]]) -> Iterator[Events]:
         """The events of `advance` for each (frame, t_us), one after the other.
@@ -228,55 +228,14 @@ class Simulator:
         report()
         yield from done
 
-    def _follow(
-        self, image: Image, t_us: int, start_us: int, limits: Limits, meanwhile: Callable[[], None]
-    ) -> None:
-        """Take the pixels to the next frame; events are timed from start_us. Raises ValueError, with nothing
-        changed or done; GivenUpError."""
-        assert self._frame is not None
-        span_us = _span_us(t_us, self._t_us, start_us)
-        if self._threads == 1 or self._stages.feed_back:
-            meanwhile()
-            meanwhile = nothing
-        self._pixels.limits = limits
-        self._pixels.look(self._frame, image, float(span_us))
-        self._steps(self._frame, image, start_us, span_us, limits.coarser, meanwhile)
-
-    def _follow_path(self, path: Iterator[tuple[ArrayLike, int]], start_us: int) -> None:
-        """Take the pixels along frames, several at once where they can be. Where one goes wrong, all before
-        it have been followed."""
-        most = self._pixels.most_at_once if isinstance(self._pixels, PixelArray) else 1
-        seen: list[tuple[Image, int]] = []  # and not followed yet
-        try:
-            for frame, t_us in path:
-                image, last_us = self._pixels.image(frame), seen[-1][1] if seen else self._t_us
-                _span_us(t_us, last_us, start_us)
-                seen.append((image, t_us))
-                if len(seen) >= most:
-                    self._follow_all(seen, start_us)
-        finally:
-            self._follow_all(seen, start_us)
-
-    def _follow_all(self, seen: list[tuple[Image, int]], start_us: int) -> None:
-        """Take the pixels to each of these frames, which are taken out; events are timed from start_us."""
-        frames = seen[:]
-        seen.clear()
-        if len(frames) == 1:
-            self._follow(*frames[0], start_us, NO_LIMITS, nothing)
-        elif frames:
-            assert isinstance(self._pixels, PixelArray)
-            images, times_us = zip(*frames, strict=True)
-            self._pixels.limits = NO_LIMITS
-            self._pixels.steps_at_once(images, times_us, self._t_us, start_us)
-        if frames:
-            self._frame, self._t_us = frames[-1]
-
     def _drawn(self, start_us: int, end_us: int, limits: Limits) -> Drawn:
-        """What the pixels have drawn since start_us. Raises GivenUpError."""
+        """What the pixels have drawn since start_us, which ends an interval. Raises GivenUpError."""
         light = self._pixels.light if self._stages.see_light else NO_PLANE
         if self._threads > 1:
             light = light.copy()
-        return Drawn(self._pixels.take_keys(), start_us, end_us, self._intervals, light, limits)
+        drawn = Drawn(self._pixels.take_keys(), start_us, end_us, self._intervals, light, limits)
+        self._intervals += 1
+        return drawn
 
     def report(self, drawn: Drawn | None) -> Events:
         """The other half of `advance`: the events of what was drawn that leave the camera, in the order of
@@ -308,12 +267,12 @@ class Simulator:
         self._jumped(self._pixels.image(frame), t_us)
 
     def _jumped(self, image: Image, t_us: int) -> None:
-        first = self._frame is None
+        first = self._path.image is None
         self._pixels.settle(image, t_us)
         if first:
             self._pixels.start(t_us)
-        self._stages.restart(t_us, goes_on=t_us >= self._t_us and not first)
-        self._frame, self._t_us = image, t_us
+        self._stages.restart(t_us, goes_on=t_us >= self._path.t_us and not first)
+        self._path.image, self._path.t_us = image, t_us
 
     def snapshot(self) -> dict[str, NDArray[Any]]:
         """Copies of all that events to come depend on, but for size, law, seed and parameters.
@@ -321,46 +280,25 @@ class Simulator:
         A `Simulator` made with these, and given it by `restore`, gives the same events for the same frames.
         Raises ValueError before the first frame.
         """
-        if self._frame is None:
+        if self._path.image is None:
             raise ValueError("there is no state yet: give a frame first")
         stages = self._stages
         return {
             **self._pixels.snapshot(),
-            "frame": self._pixels.host_image(self._frame),
-            "times_us": np.array([self._t_us, stages.read_us, stages.complete_us, self._intervals], np.int64),
+            "frame": self._pixels.host_image(self._path.image),
+            "times_us": np.array(
+                [self._path.t_us, stages.read_us, stages.complete_us, self._intervals], np.int64
+            ),
             **{f"waiting/{effect}": events.copy() for effect, events in stages.waiting.items()},
         }
 
     def restore(self, saved: Mapping[str, NDArray[Any]]) -> None:
         """Go on as the simulator that a `snapshot` was taken of. Raises KeyError or ValueError for others."""
         self._pixels.restore(saved)
-        self._frame = self._pixels.image(saved["frame"])
-        self._t_us, read_us, complete_us, self._intervals = saved["times_us"].tolist()
+        self._path.image = self._pixels.image(saved["frame"])
+        self._path.t_us, read_us, complete_us, self._intervals = saved["times_us"].tolist()
         self._stages.read_us, self._stages.complete_us = read_us, complete_us
         begin = "waiting/"
         self._stages.waiting = {
             name.removeprefix(begin): saved[name].astype(EVENT) for name in saved if name.startswith(begin)
         }
-
-    def _steps(
-        self, before: Image, after: Image, start_us: int, span_us: int, coarser: float,
-        meanwhile: Callable[[], None],
-    ) -> None:  # fmt: skip
-        """The interval in steps that are short enough for every effect; light goes in a straight line."""
-        steps = min(max(1, math.ceil(span_us / (self._pixels.longest_step_us * coarser))), span_us)
-        begin, offset = 0, self._t_us - start_us
-        for step in range(1, steps + 1):
-            end = span_us * step // steps  # whole microseconds, so that effects agree on where steps meet
-            share, span = (end / span_us if step < steps else 1.0), float(end - begin)
-            self._pixels.step(before, after, share, start_us, float(offset + begin), span, meanwhile)
-            begin, meanwhile = end, nothing
-
-
-def _span_us(t_us: int, last_us: int, start_us: int) -> int:
-    """The time from the last frame to this one. Raises ValueError where it does not advance, or where an
-    interval from start_us is too long."""
-    if t_us <= last_us:
-        raise ValueError(f"the frame at {t_us} us does not come after the last one at {last_us} us")
-    if (whole_us := t_us - start_us) > LONGEST_INTERVAL_US:
-        raise ValueError(f"{whole_us / 3.6e9:.0f} hours between two frames: at most 38 are possible")
-    return t_us - last_us
