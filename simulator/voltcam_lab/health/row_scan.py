@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from .subject import Subject
 
 _SHUFFLES = 19
+_BEGINS = (0.0, 0.25, 0.5, 0.75)  # of bins, in their width
 
 
 @dataclass(frozen=True)
@@ -38,9 +39,11 @@ def find_row_scan(subject: Subject, chosen: NDArray[np.bool_]) -> RowScan | None
     slopes = np.arange(-steepest, steepest, 250 / rows)
 
     def gathered(y: NDArray[np.float64], slopes: NDArray[np.float64], width_us: float) -> NDArray[np.float64]:
+        """How much falls together in bins of a width, wherever they begin."""
         bins = int(period_us // width_us)
-        places = ((t - slopes[:, None] * y) % period_us * bins / period_us).astype(np.int64) % bins
-        return np.array([np.sum(np.bincount(place, minlength=bins) ** 2.0) for place in places], np.float64)
+        places = (t - slopes[:, None] * y) % period_us * bins / period_us
+        counts = [[np.bincount((at + begin).astype(np.int64) % bins) for begin in _BEGINS] for at in places]
+        return np.array([sum(float(np.sum(count**2.0)) for count in one) for one in counts], np.float64)
 
     scores = gathered(y, slopes, 250)
     rng = np.random.default_rng(0)

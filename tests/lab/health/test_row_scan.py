@@ -9,7 +9,7 @@ from voltcam_lab.windows import total_us
 
 def test_bursts_that_run_over_the_rows() -> None:
     health = inspect(frame_locked(rows_us=150)).health
-    assert health["row readout"].numbers["us_per_row"] == pytest.approx(150, abs=5)
+    assert health["row readout"].numbers["us_per_row"] == pytest.approx(150, abs=1)
     windows = health["frame-locked events"].numbers["windows"]
     assert windows[0]["begin_us"] == pytest.approx(400, abs=300)
     assert windows[-1]["end_us"] == pytest.approx(700 + 150 * HEIGHT, abs=400)
@@ -19,7 +19,7 @@ def test_where_rows_take_turns_each_is_masked_in_its_own_moments() -> None:
     """300 us of bursts in a period of 25 ms, 600 us about them; for all rows at once it would be 7 ms."""
     found = inspect(frame_locked(rows_us=150))
     span = int(found.light.t_us[0]), int(found.light.t_us[-1])
-    assert found.mask.us_per_row == found.row_time_us == pytest.approx(150, abs=5)
+    assert found.mask.us_per_row == found.row_time_us == pytest.approx(150, abs=1)
     assert found.mask.share(*span) < 0.1 < 0.25 < total_us(found.exposure_windows) / (span[1] - span[0])
 
 
