@@ -10,12 +10,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
+from tests.mjpeg_server import MjpegServer
 
 from voltcam_server.emulator import Emulator
 from voltcam_server.problems import UsageError
 from voltcam_video import Clock, Frame, Granted, SourceError, SourceRequest, SourceState, watch
 
-from .mjpeg_server import MjpegServer
 from .rig import (
     PATIENCE_S,
     SCENE,
@@ -27,6 +28,11 @@ from .rig import (
     tiny,
     until,
 )
+
+
+def _bars(i: int) -> NDArray[np.uint8]:
+    """Moving."""
+    return np.roll(np.tile(np.repeat(np.array([40, 200], np.uint8), 8), (48, 4)), i, axis=1)
 
 
 def test_a_source_that_is_not_there_is_said_at_the_start(tmp_path: Path) -> None:
@@ -68,7 +74,7 @@ def test_a_source_that_cannot_be_opened_leaves_the_old_one_running(tmp_path: Pat
 
 
 def test_a_stream_that_dies_comes_back() -> None:
-    server = MjpegServer()
+    server = MjpegServer(_bars)
     with emulating(SourceRequest(uri=server.url, timeout_s=1)) as (emulator, listener):
         listener.wait(lambda it: len(it.frames) >= 5)
         server.die()
@@ -78,7 +84,7 @@ def test_a_stream_that_dies_comes_back() -> None:
             emulator.look_at(SourceRequest(uri=server.url, timeout_s=1, fit="stretch"))
         with pytest.raises(UsageError, match="nothing is being recorded"):  # it still answers
             emulator.recordings.end()
-        server = MjpegServer(server.port)
+        server = MjpegServer(_bars, server.port)
         try:
             listener.wait(lambda it: it.statuses[-1]["source"]["state"] == "running")
             count = len(listener.frames)
@@ -178,7 +184,7 @@ def test_what_is_asked_for_as_it_was_told_keeps_its_password(monkeypatch: pytest
         return watch(request, *given)
 
     monkeypatch.setattr("voltcam_server.capture.watch", watching)
-    server = MjpegServer()
+    server = MjpegServer(_bars)
     uri = server.url.replace("://", "://robot:secret@")
     with emulating(SourceRequest(uri=uri, timeout_s=5)) as (emulator, listener):
         listener.wait(lambda it: it.frames)

@@ -1,16 +1,15 @@
 """Helpers of the video tests: ffmpeg, an MJPEG server that can stall and die, a clock that does not tick."""
 
-import contextlib
 import shutil
 import subprocess
 import threading
 from collections.abc import Callable, Iterator
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
-import cv2
 import numpy as np
 import pytest
+from numpy.typing import NDArray
+from tests.mjpeg_server import MjpegServer
 
 from voltcam_video import Clock
 
@@ -58,56 +57,17 @@ def ffmpeg_sender(ffmpeg: Callable[..., None]) -> Iterator[Callable[..., "subpro
         process.wait(10)
 
 
-class MjpegServer:
-    """An HTTP camera: frame i is all grey 10 + 8 i; 50 frames per second until told otherwise."""
-
-    def __init__(self, port: int = 0) -> None:
-        self.stalled = threading.Event()
-        self.dead = threading.Event()
-        camera = self
-
-        class Handler(BaseHTTPRequestHandler):
-            def log_message(self, format: str, *args: object) -> None:
-                pass
-
-            def do_GET(self) -> None:
-                self.send_response(200)
-                self.send_header("Content-Type", "multipart/x-mixed-replace; boundary=frame")
-                self.end_headers()
-                with contextlib.suppress(OSError):  # the client left
-                    camera.send(self.wfile.write)
-
-        self._http = ThreadingHTTPServer(("127.0.0.1", port), Handler)
-        self._http.daemon_threads = True
-        self.port = self._http.server_address[1]
-        self.url = f"http://127.0.0.1:{self.port}/"
-        threading.Thread(target=self._http.serve_forever, args=(0.02,), daemon=True).start()
-
-    def send(self, write: Callable[[bytes], object]) -> None:
-        i = 0
-        while not self.dead.wait(0.02):
-            if self.stalled.is_set():
-                continue
-            image = np.full((48, 64), 10 + 8 * i % 240, np.uint8)
-            jpeg = cv2.imencode(".jpg", image)[1].tobytes()
-            head = f"--frame\r\nContent-Type: image/jpeg\r\nContent-Length: {len(jpeg)}\r\n\r\n"
-            write(head.encode() + jpeg + b"\r\n")
-            i += 1
-
-    def die(self) -> None:
-        """Closes all connections and the port."""
-        self.dead.set()
-        self._http.shutdown()
-        self._http.server_close()
+def _grey(i: int) -> NDArray[np.uint8]:
+    return np.full((48, 64), 10 + 8 * i % 240, np.uint8)
 
 
 @pytest.fixture
 def mjpeg_server() -> Iterator[Callable[..., MjpegServer]]:
-    """Starts MJPEG cameras, which end with the test."""
+    """Starts MJPEG cameras, of which frame i is all grey 10 + 8 i; they end with the test."""
     running: list[MjpegServer] = []
 
     def start(port: int = 0) -> MjpegServer:
-        running.append(MjpegServer(port))
+        running.append(MjpegServer(_grey, port))
         return running[-1]
 
     yield start

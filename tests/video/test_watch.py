@@ -12,7 +12,7 @@ import pytest
 from voltcam_video import Frame, Granted, Source, SourceError, SourceRequest, SourceState, watch
 
 if TYPE_CHECKING:
-    from .conftest import MjpegServer
+    from tests.mjpeg_server import MjpegServer
 
 FRAME = Frame(np.zeros((2, 2), np.uint8), 1)
 REQUEST = SourceRequest(uri="fake", timeout_s=1)

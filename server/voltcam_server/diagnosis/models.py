@@ -3,7 +3,7 @@
 from typing import Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
-from pydantic.config import JsonDict, JsonValue
+from pydantic.config import JsonDict
 
 from .gather import Figures
 
@@ -12,9 +12,6 @@ def _only(name: str) -> JsonDict:
     """In JSON schema: this one of the two, and not the other."""
     other = {"reference": "stream", "stream": "reference"}[name]
     return {"required": [name], "properties": {name: {"type": "string"}, other: {"type": "null"}}}
-
-
-ONE_OF_THEM: list[JsonValue] = [_only("reference"), _only("stream")]
 
 
 class DiagnosisRequest(BaseModel):

@@ -19,7 +19,7 @@ from tests.ports import free_port
 from voltcam_video import Frame, Source, SourceError, SourceRequest, open_source
 
 if TYPE_CHECKING:
-    from ..conftest import MjpegServer
+    from tests.mjpeg_server import MjpegServer
 
 
 def read(source: Source, count: int) -> list[Frame]:

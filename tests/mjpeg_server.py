@@ -1,4 +1,4 @@
-"""A camera over HTTP that dies, and comes back."""
+"""A camera over HTTP that stalls or dies, and comes back."""
 
 import contextlib
 import threading
@@ -7,13 +7,18 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 
 class MjpegServer:
-    """An HTTP camera, 50 frames per second of moving bars; it dies, and another comes back on its port."""
+    """An HTTP camera, 50 frames per second until `stalled` is set; another may come back on its port.
 
-    def __init__(self, port: int = 0) -> None:
-        self._dead = threading.Event()
+    image: (height, width) grey levels of frame i.
+    """
+
+    def __init__(self, image: Callable[[int], NDArray[np.uint8]], port: int = 0) -> None:
+        self.stalled = threading.Event()
+        self.dead, self._image = threading.Event(), image
         camera = self
 
         class Handler(BaseHTTPRequestHandler):
@@ -35,16 +40,18 @@ class MjpegServer:
         self._thread.start()
 
     def _send(self, write: Callable[[bytes], object]) -> None:
-        image, i = np.tile(np.repeat(np.array([40, 200], np.uint8), 8), (48, 4)), 0
-        while not self._dead.wait(0.02):
-            jpeg = cv2.imencode(".jpg", np.roll(image, i, axis=1))[1].tobytes()
+        i = 0
+        while not self.dead.wait(0.02):
+            if self.stalled.is_set():
+                continue
+            jpeg = cv2.imencode(".jpg", self._image(i))[1].tobytes()
             head = f"--frame\r\nContent-Type: image/jpeg\r\nContent-Length: {len(jpeg)}\r\n\r\n"
             write(head.encode() + jpeg + b"\r\n")
             i += 1
 
     def die(self) -> None:
         """Closes all connections and the port."""
-        self._dead.set()
+        self.dead.set()
         self._http.shutdown()
         self._thread.join()
         self._http.server_close()
