@@ -78,19 +78,25 @@ def row_mask(subject: Subject, scan: RowScan) -> Mask:
     spans = joined(found + np.array([-_BESIDE_US, _BESIDE_US]), _JOIN_US)
     kicked = within(straight_us, spans)
     others = [group & ~kicked for group in groups]
-    # Rows have more and less of the scene, so that fewer events mean little where some rows are missing.
-    at_once, _ = _moments(subject, subject.since_frame_us, others, _left(subject, scan, spans))
+    left = np.array([_left(subject, scan, spans, group) for group in others])
+    # The scene moves over the rows, so that fewer events mean little where some rows are missing.
+    at_once, _ = _moments(subject, subject.since_frame_us, others, left)
     return Mask(around(frame_t_us, joined(at_once, _JOIN_US)), around(frame_t_us, spans), scan.us_per_row)
 
 
-def _left(subject: Subject, scan: RowScan, spans: Windows) -> NDArray[np.float64]:
-    """The share of the rows whose own spans it is not, by microsecond of the period."""
+def _left(subject: Subject, scan: RowScan, spans: Windows, others: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """The share of the events outside their rows' own spans that can be there, by microsecond of the period.
+
+    Rows count by their events: those of an empty sky are not missed.
+    """
     half_us, height = round(subject.period_us / 2), subject.footage.height
     delays_us = np.rint(scan.us_per_row * np.arange(height)).astype(np.int64)
+    events = np.bincount(subject.y[others], minlength=height)
+    share = events / max(events.sum(), 1)
     taken = np.zeros(2 * half_us)
     for begin, end in spans.tolist():
         span = np.arange(begin, end) + half_us
-        np.add.at(taken, (span + delays_us[:, None]) % taken.size, 1 / height)
+        np.add.at(taken, (span + delays_us[:, None]) % taken.size, share[:, None])
     return 1 - np.minimum(taken, 1)
 
 
@@ -100,10 +106,10 @@ def _moments(
 ) -> Moments:  # fmt: skip
     """The moments that have more events of one of the groups than others have, and those that have fewer.
 
-    left: by microsecond of the period, the share of the events that can be in a group at all; None: all.
+    left: (groups, period_us), the share of each group's events that can be there at all; None: all.
     """
     half_us = round(subject.period_us / 2)
-    left = np.ones(2 * half_us) if left is None else left
+    left = np.ones((len(groups), 2 * half_us)) if left is None else left
     found = np.zeros(2 * half_us, np.int8)  # by microsecond: 1 more, -1 fewer
     place = np.clip(phase + half_us, 0, found.size - 1)
     for width_us in _WIDTHS_US:
@@ -111,12 +117,13 @@ def _moments(
         if bins < 8:
             continue
         bin_of_us = np.arange(found.size) * bins // found.size
-        free = np.bincount(bin_of_us, (found == 0) * left, bins) / width_us  # less what narrower ones have
-        usable = free > 0.5
-        if not usable.any():
-            break
         new = np.zeros(bins, np.int8)
-        for group in groups:
+        for group, its_left in zip(groups, left, strict=True):
+            # Less what narrower moments have.
+            free = np.bincount(bin_of_us, (found == 0) * its_left, bins) / width_us
+            usable = free > 0.5
+            if not usable.any():
+                continue
             fresh = group & (found[place] == 0)
             cells = subject.nearest_frame[fresh] * bins + bin_of_us[place[fresh]]
             counts = np.bincount(cells, minlength=len(subject.light.t_us) * bins).reshape(-1, bins)

@@ -55,3 +55,17 @@ def test_where_all_rows_are_left_out_nothing_else_is_unusual() -> None:
     assert found.row_time_us == pytest.approx(20, abs=3)
     span = int(frames[0]), int(frames[-1])
     assert 4000 / PERIOD_US < found.mask.share(*span) < 0.3
+
+
+def test_rows_of_an_empty_sky_are_not_missed() -> None:
+    """Bursts that run over empty rows leave all events their time: as many as usual are not more."""
+    scene = healthy()
+    seen = (scene.events["y"] >= HEIGHT // 2) | (np.random.default_rng(3).random(scene.events.size) < 0.02)
+    rng = np.random.default_rng(7)
+    frames = np.repeat(scene.frame_t_us, 800)
+    y = rng.integers(0, HEIGHT, frames.size)
+    t_us = frames + 150 * y + rng.integers(0, 3000, frames.size)
+    bursts = some_events(t_us, rng.integers(0, WIDTH, frames.size), y, True)
+    mask = inspect(with_events(replace(scene, events=scene.events[seen]), bursts)).mask
+    assert mask.us_per_row == pytest.approx(150, abs=3)
+    assert mask.windows.size == 0
