@@ -61,8 +61,9 @@ class ExactMethod:
             parameters = refined.parameters if worth else likeliest
         elif refining:
             notes.append(
-                f"parameters are the likeliest, not moved by simulation: {share:.0%} of the events come "
-                "where light between frames is known: record slower motion, or at a higher frame rate"
+                "only black, white, spread of thresholds and noise of the frames were tried by simulation: "
+                f"{share:.0%} of the events come where light between frames is known; for the rest, record "
+                "slower motion, or at a higher frame rate"
             )
         if refining:
             parameters = self._beside_light(parameters, settling=worth)
