@@ -1,12 +1,14 @@
-"""`.h5`, `.hdf5`: columns of events as DSEC has them, or as event_utils and e2vid have.
+"""`.h5`, `.hdf5`: columns of events as DSEC has them, as event_utils and e2vid have, or as MVSEC.
 
 DSEC: `events/{x, y, t, p}`, t in us after `t_offset`; an index `ms_to_idx`, not needed to read all of it.
 event_utils: `events/{xs, ys, ts, ps}`, ts in seconds; `images/image000000000`... with the attribute
 `timestamp` in seconds; `sensor_resolution` (height, width). Polarities are 0 or -1 for OFF, 1 for ON.
-Frames of either layout are also taken from `frames` (N, H, W) and `t_us`, as in an `.npz`. Blosc and
-Zstandard go through hdf5plugin.
+Frames of either layout are also taken from `frames` (N, H, W) and `t_us`, as in an `.npz`.
+MVSEC: `davis/left/events` (N, 4) of x, y, t in seconds, p; `davis/left/image_raw` (M, H, W) at
+`davis/left/image_raw_ts` in seconds. The left camera is read, the right one where there is no other.
+Blosc and Zstandard go through hdf5plugin.
 
-Sources: dsec.ifi.uzh.ch/data-format; github.com/TimoStoff/event_utils.
+Sources: dsec.ifi.uzh.ch/data-format; github.com/TimoStoff/event_utils; daniilidis-group.github.io/mvsec.
 """
 
 from pathlib import Path
@@ -23,6 +25,9 @@ from voltcam_client.formats.recording import FormatError, Recording, smallest_si
 DESCRIPTION = "HDF5 columns as in DSEC (events/t, x, y, p) or event_utils (events/ts, xs, ys, ps)"
 
 _LAYOUTS = (("t", "x", "y", "p"), ("ts", "xs", "ys", "ps"))
+_MVSEC = ("davis/left", "davis/right")
+_Frames = tuple[NDArray[np.uint8] | None, NDArray[np.int64] | None]  # and their times
+_ROWS = 1 << 20  # of four numbers, read at a time
 
 
 def read_hdf5(path: Path) -> Recording:
@@ -30,8 +35,10 @@ def read_hdf5(path: Path) -> Recording:
     h5py = library("h5py", path)
     library("hdf5plugin", path)  # registers the filters
     with named(path, "HDF5 file"), h5py.File(path, "r") as file:
-        events = _events(path, file)
-        frames, t_us = _frames(path, file)
+        if camera := _mvsec_camera(path, file):
+            events, (frames, t_us) = _mvsec(path, file, camera)
+        else:
+            events, (frames, t_us) = _events(path, file), _frames(path, file)
         size = _size(file, events, frames)
     return Recording(events, *size, frames=frames, frame_t_us=t_us)
 
@@ -56,15 +63,50 @@ def _events(path: Path, file: Any) -> Events:
     return events
 
 
+def _mvsec_camera(path: Path, file: Any) -> str:
+    """Where a file of MVSEC has its events; empty for another file."""
+    for camera in _MVSEC:
+        _check_link(path, file, f"{camera}/events")
+        if f"{camera}/events" in file:
+            return camera
+    return ""
+
+
+def _mvsec(path: Path, file: Any, camera: str) -> tuple[Events, _Frames]:
+    rows = _dataset(path, file, f"{camera}/events")
+    if rows.ndim != 2 or rows.shape[1] != 4:
+        raise FormatError(f"{path}: {camera}/events is {rows.shape}, not (N, 4): give rows of x, y, t, p")
+    events = np.empty(len(rows), EVENT)
+    for start in range(0, len(rows), _ROWS):
+        x, y, t, p = rows[start : start + _ROWS].T
+        block = events[start : start + _ROWS]
+        block["t"], block["x"], block["y"], block["p"] = _us(t), x, y, p > 0
+    if f"{camera}/image_raw" not in file:
+        return events, (None, None)
+    frames = stacked([grey(image) for image in _array(path, file, f"{camera}/image_raw")], path)
+    return events, (frames, _us(_array(path, file, f"{camera}/image_raw_ts")))
+
+
 def _check_link(path: Path, group: Any, name: str) -> None:
-    """Nothing but the file itself is read. Raises FormatError for a link into another."""
-    link = group.get(name, getlink=True)
-    if type(link).__name__ == "ExternalLink":
-        raise FormatError(f"{path}: {name} is a link into another file: copy its data into this one")
+    """Nothing but the file itself is read. Raises FormatError for a link to another, at any step."""
+    steps = name.split("/")
+    for count in range(1, len(steps) + 1):
+        step = "/".join(steps[:count])
+        link = group.get(step, getlink=True)
+        if type(link).__name__ == "ExternalLink":
+            raise FormatError(f"{path}: {step} is a link into another file: copy its data into this one")
+        if link is None:
+            return
 
 
 def _array(path: Path, group: Any, name: str) -> NDArray[Any]:
-    """All of a dataset that is in this file and no larger than it can be. Raises FormatError."""
+    """All of a dataset. Raises FormatError."""
+    array: NDArray[Any] = _dataset(path, group, name)[()]
+    return array
+
+
+def _dataset(path: Path, group: Any, name: str) -> Any:
+    """Numbers that are in this file and no more than it can hold. Raises FormatError."""
     _check_link(path, group, name)
     dataset = group[name]
     if dataset.external or dataset.is_virtual:
@@ -72,8 +114,7 @@ def _array(path: Path, group: Any, name: str) -> NDArray[Any]:
     if dataset.dtype.kind not in "iufb":
         raise FormatError(f"{path}: {name} holds no numbers: save it as numbers")
     fits(path, dataset.size * dataset.dtype.itemsize)
-    array: NDArray[Any] = dataset[()]
-    return array
+    return dataset
 
 
 def _us(t: NDArray[Any]) -> NDArray[np.int64]:
@@ -81,7 +122,7 @@ def _us(t: NDArray[Any]) -> NDArray[np.int64]:
     return np.rint(t * 1e6).astype(np.int64) if t.dtype.kind == "f" else t.astype(np.int64)
 
 
-def _frames(path: Path, file: Any) -> tuple[NDArray[np.uint8] | None, NDArray[np.int64] | None]:
+def _frames(path: Path, file: Any) -> _Frames:
     if "frames" in file and "t_us" in file:
         frames = stacked([grey(image) for image in _array(path, file, "frames")], path)
         return frames, _array(path, file, "t_us").astype(np.int64)

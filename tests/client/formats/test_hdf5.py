@@ -66,6 +66,40 @@ def test_event_utils(tmp_path: Path, make_events) -> None:
     assert (recording.width, recording.height) == (346, 260)
 
 
+@pytest.mark.parametrize("camera", ["left", "right"])
+def test_mvsec(camera: str, tmp_path: Path, make_events) -> None:
+    events = make_events(5000, start_us=1_504_645_177_000_000)
+    frames = np.arange(2 * 260 * 346, dtype=np.uint8).reshape(2, 260, 346)
+    with h5py.File(tmp_path / "indoor_flying1_data.hdf5", "w") as file:
+        rows = [events["x"], events["y"], events["t"] / 1e6, np.where(events["p"], 1, -1)]
+        file[f"davis/{camera}/events"] = np.stack(rows, axis=1)
+        file[f"davis/{camera}/image_raw"] = frames
+        file[f"davis/{camera}/image_raw_ts"] = 1_504_645_177 + np.array([0.002, 0.034])
+        file[f"davis/{camera}/image_raw_event_inds"] = [10, 20]
+        file["velodyne/scans_ts"] = [0.5]
+    recording = read(tmp_path / "indoor_flying1_data.hdf5")
+    np.testing.assert_array_equal(recording.events, events)
+    np.testing.assert_array_equal(recording.frames, frames)
+    assert recording.frame_t_us.tolist() == [1_504_645_177_002_000, 1_504_645_177_034_000]
+    assert (recording.width, recording.height) == (346, 260)
+
+
+def test_of_mvsec_the_left_camera_is_read_and_frames_may_be_missing(tmp_path: Path) -> None:
+    with h5py.File(tmp_path / "a.hdf5", "w") as file:
+        file["davis/right/events"] = [[1.0, 1.0, 0.5, 1.0]]
+        file["davis/left/events"] = [[7.0, 3.0, 0.5, -1.0]]
+    recording = read(tmp_path / "a.hdf5")
+    assert recording.events.tolist() == [(500_000, 7, 3, False)]
+    assert recording.frames is None
+
+
+def test_other_rows_than_those_of_mvsec_are_named(tmp_path: Path) -> None:
+    with h5py.File(tmp_path / "a.hdf5", "w") as file:
+        file["davis/left/events"] = [[1.0, 1.0, 0.5]]
+    with pytest.raises(FormatError, match=r"davis/left/events is \(1, 3\), not \(N, 4\)"):
+        read(tmp_path / "a.hdf5")
+
+
 @pytest.mark.parametrize("resolution", [(260, 346), (346, 260)])
 def test_the_stated_size_counts_in_either_order(resolution: tuple[int, int], tmp_path: Path) -> None:
     with h5py.File(tmp_path / "a.h5", "w") as file:

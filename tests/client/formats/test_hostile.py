@@ -84,6 +84,14 @@ def hdf5_external_link(path: Path) -> None:
         file["events"] = h5py.ExternalLink(str(other), "/events")
 
 
+def mvsec_external_link(path: Path) -> None:
+    other = path.with_name("other.hdf5")
+    with h5py.File(other, "w") as file:
+        file["left/events"] = [[7.0, 3.0, 0.5, 1.0]]
+    with h5py.File(path, "w") as file:
+        file["davis"] = h5py.ExternalLink(str(other), "/")
+
+
 def hdf5_virtual(path: Path) -> None:
     other = path.with_name("other.hdf5")
     with h5py.File(other, "w") as file:
@@ -173,7 +181,7 @@ HOSTILE: dict[str, tuple[str, Callable[[Path], None]]] = {
     for suffix, make in (
         (".npz", huge_shape), (".npz", shape_beyond_integers), (".npz", bomb), (".npz", python_objects),
         (".h5", hdf5_huge), (".h5", hdf5_external_storage), (".h5", hdf5_external_link),
-        (".h5", hdf5_virtual), (".h5", hdf5_deep_loop), (".raw", raw_huge_size),
+        (".h5", mvsec_external_link), (".h5", hdf5_virtual), (".h5", hdf5_deep_loop), (".raw", raw_huge_size),
         (".raw", raw_huge_t0), (".raw", raw_endless_header),
         (".evt2.raw", evt2_random), (".dat", dat_random), (".dat", txt_nuls), (".es", es_overflows),
         (".es", txt_nuls), (".aedat", aedat2_endless_header), (".aedat", txt_nuls),
