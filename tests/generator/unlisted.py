@@ -18,6 +18,7 @@ SIZES: dict[str, tuple[float, float, float]] = {
     "after_events": (0.03, 0.1, 0.25),  # chance of an event to be followed by another of its kind
     "dim_refractory": (1000, 3000, 9000),  # us at 20 DN, as 1/L
     "slew_limit": (500, 150, 50),  # 1/s: the rate of d ln(L+k2)/dt that passes by half
+    "striped_thresholds": (0.05, 0.12, 0.3),  # of rows or columns, in bands that take turns, relative
 }
 
 Parameters = dict[str, float]
@@ -38,6 +39,11 @@ DRAW: dict[str, Callable[[Generator, float], dict[str, Any]]] = {
     "after_events": lambda rng, size: {"chance": size, "mean_us": rng.uniform(200, 1500)},
     "dim_refractory": lambda rng, size: {"period_us": size, "at_dn": 20},
     "slew_limit": lambda rng, size: {"per_s": size},
+    "striped_thresholds": lambda rng, size: {
+        "depth": size,
+        "band_px": rng.integers(1, 9),
+        "of_rows": rng.integers(2),
+    },
 }
 
 
@@ -59,6 +65,14 @@ def _ripple(wires: Wires, p: Parameters, rng: Generator) -> None:
     wires.theta *= 1 + p["depth"] * np.sin(2e-6 * np.pi * p["frequency_hz"] * wires.t_us)
 
 
+def _stripes(wires: Wires, p: Parameters, rng: Generator) -> None:
+    y, x = np.indices(wires.shape)
+    band = (y if p["of_rows"] else x) // p["band_px"] % 2
+    factor = 1 + p["depth"] * (2 * band - 1)
+    wires.maps.theta_on[:] *= factor
+    wires.maps.theta_off[:] *= factor
+
+
 def _dim_refractory(wires: Wires, p: Parameters, rng: Generator) -> None:
     wires.tables.refractory_us[:] += p["period_us"] * p["at_dn"] / np.maximum(radiances(), 5)
 
@@ -72,4 +86,5 @@ WIRE: dict[str, Callable[[Wires, Parameters, Generator], None]] = {
     "threshold_ripple": _ripple,
     "dim_refractory": _dim_refractory,
     "slew_limit": lambda wires, p, rng: wires.set(slew_per_us=1e-6 * p["per_s"]),
+    "striped_thresholds": _stripes,
 }

@@ -27,6 +27,7 @@ KINDS = {
     "threshold_ripple": ("clock", "slow time"),
     "row_shadow": ("row", "neighbours"),
     "slew_limit": ("light", "own past"),
+    "striped_thresholds": ("pixel", "row", "column"),
 }  # of unlisted effects: on what firing depends that a model without them does not know
 NULLS_ASKED, SLOW_NULLS_ASKED = 100, 50  # fewer recordings without an effect prove nothing
 
@@ -86,7 +87,11 @@ def hidden(case: Case) -> tuple[str, ...]:
         return ()
     if case.make:
         return MAKES[case.make].shares
-    names = {"clock_offset": "latency", "dim_refractory": "refractory_period"}
+    names = {
+        "clock_offset": "latency",
+        "dim_refractory": "refractory_period",
+        "striped_thresholds": "threshold_mismatch",
+    }
     listed = [names.get(name, name) for name, _ in case.effects if case.part != "unlisted" or name in names]
     return tuple(listed)
 

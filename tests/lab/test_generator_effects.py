@@ -229,6 +229,16 @@ def dim_refractory(effect: Effect) -> None:
         assert gaps == pytest.approx(9000 * 20 / dn + 200, abs=2)
 
 
+def striped_thresholds(effect: Effect) -> None:
+    """A leak of 12.8 thresholds/s for 8 s: 102 events where they are 1, to one event."""
+    p = effect.parameters
+    found = counts(seen(effect, replace(LEAKY, k3=1e-6), seconds=8))
+    y, x = np.indices(found.shape)
+    band = (y if p["of_rows"] else x) // p["band_px"] % 2
+    for which, theta in ((0, 0.7), (1, 1.3)):
+        assert found[band == which] == pytest.approx(8 * 12.8 / theta, abs=1.5)
+
+
 def slew_limit(effect: Effect) -> None:
     free, found = moving(None), moving(effect)
     assert len(found.events) < 0.75 * len(free.events)

@@ -13,7 +13,7 @@ Cut = tuple[slice, slice]
 
 SIMULATED = 25e6  # pixels times images of light
 FEWEST_FRAMES = 10  # by which events are told to be late
-MOST_SAMPLES = 24_000_000  # pixels times frames that are fitted: about 1.5 GB
+MOST_SAMPLES = 24_000_000  # pixels times frames that are fitted: 8 GB, where light follows motion
 
 
 def middle(recording: Footage) -> Cut:

@@ -18,10 +18,8 @@ def missing(footage: Footage) -> list[Finding]:
     found = []
     frames = len(footage.frames)
     if frames < _FEWEST_FRAMES:
-        words = (
-            f"only {frames} frames: record frames and events of the same camera together (DAVIS: switch the "
-        )
-        words += "frames on)"
+        words = "only one frame" if frames == 1 else f"only {frames} frames"
+        words += ": record frames and events of the same camera together (DAVIS: switch the frames on)"
         found.append(Finding("frames", "fatal", words, {"frames": frames}))
     count = footage.events.size
     if count < _FEWEST_EVENTS:
@@ -52,7 +50,8 @@ def overlap(frame_t_us: NDArray[np.int64], t_us: NDArray[np.int64]) -> list[Find
         words = f"frames and events are on different clocks: {apart} {-seconds:.6g} s after the others' end"
         return [Finding("clock", "fatal", f"{words}; stamp both by one clock", numbers)]
     severity: Severity = "fatal" if seconds < SHORTEST_S else "limits" if seconds < SHORT_S else "good"
-    words = f"{seconds:.1f} s with frames and events"
+    exact = f"{seconds:.4g}" if severity == "fatal" else f"{seconds:.1f}"
+    words = f"{exact} s with frames and events"
     if severity != "good":
         words += f", too short: record {SHORTEST_S:g} s at least" if severity == "fatal" else ""
         words += "; a minute is better"

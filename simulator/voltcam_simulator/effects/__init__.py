@@ -30,6 +30,7 @@ from .residual_coupling import ResidualCoupling
 from .residual_drift import ResidualDrift
 from .residual_kick import ResidualKick
 from .residual_noise import ResidualNoise
+from .residual_pattern import ResidualPattern
 from .row_request import RowRequest
 from .temperature_drift import TemperatureDrift
 from .threshold_mismatch import ThresholdMismatch
@@ -59,6 +60,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     LeakMismatch,
     Comparator,
     ThresholdMismatch,
+    ResidualPattern,
     DeadPixels,
     RefractoryPeriod,
     ResetNoise,

@@ -13,8 +13,14 @@ def test_no_events() -> None:
     only_fatal(replace(healthy(), events=healthy().events[:0]), "events", "no events: switch")
 
 
+def test_one_frame() -> None:
+    recording = healthy()
+    one = replace(recording, frames=recording.frames[:1], frame_t_us=recording.frame_t_us[:1])
+    only_fatal(one, "frames", "only one frame: record")
+
+
 def test_a_second_of_data() -> None:
-    only_fatal(healthy(1.0), "duration", "1.0 s with frames and events, too short")
+    only_fatal(healthy(1.0), "duration", "0.974 s with frames and events, too short")
 
 
 def test_different_clocks_that_never_meet() -> None:

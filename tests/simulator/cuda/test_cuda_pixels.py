@@ -27,6 +27,7 @@ ALL_LIGHT_AND_VOLTAGE = {
     "residual_clock": {"kick": 0.05, "period_us": 3000.0, "row_us": 20.0},
     "leak_mismatch": {"sigma": 0.2},
     "threshold_mismatch": {"sigma": 0.15},
+    "residual_pattern": {"on": 0.3, "off": 0.2, "across_per_px": 0.25, "crest_turns": 0.1},
     "dead_pixels": {"fraction": 0.05},
     "refractory_period": {"period_us": 500.0},
     "reset_noise": {"sigma": 0.05},

@@ -61,6 +61,7 @@ ALL_OF_THE_PIXEL = {
     "residual_clock": {"kick": 0.1, "period_us": 7000, "row_us": -20},
     "leak_mismatch": {"sigma": 0.3},
     "threshold_mismatch": {"sigma": 0.3},
+    "residual_pattern": {"on": 0.3, "off": -0.2, "across_per_px": 0.25, "down_per_px": 0.05},
     "dead_pixels": {"fraction": 0.01},
     "refractory_period": {"period_us": 500},
     "reset_noise": {"sigma": 0.1},

@@ -8,10 +8,19 @@ import numpy as np
 from voltcam_simulator import Parameters
 
 from ...dependence.clock import RowClock
-from ...dependence.covariates import COVARIATES, DECADES_PER_BIN, PAST_BINS, PHASES, Covariate, Kind
+from ...dependence.covariates import (
+    COVARIATES,
+    DECADES_PER_BIN,
+    FINER,
+    PAST_BINS,
+    PHASES,
+    Covariate,
+    Kind,
+)
 from ...dependence.told_apart import Telling
 from ...dependence.words import peak
-from .shapes import ClockShape, KickShape, Shape
+from .shapes import ClockShape, KickShape, PatternShape, Shape
+from .waves import wave_of
 
 ALIKE = 0.4  # of the stronger polarity's log ratio: what the other has to have to be kicked, too
 CHANCES = (0.05, 0.15, 0.45)
@@ -21,6 +30,8 @@ NARROWEST, WIDEST = 0.05, 1.0  # decades; as wide as the effects' parameters go
 LONGEST_DELAY_US, STEEPEST_ROW_US = 1e6, 1e4  # the same
 PHASE_STEPS = (-1 / 8, 0.0, 1 / 8)  # about where ON events are most too many
 _CLOCKS_NAME = "clock"
+_PLACES = ("x", "y", "patch", "lattice")
+_BY_HEIGHT = (0.5, 1.0, 2.0)  # sizes of a pattern: rates go about as one over the threshold
 
 
 class Beginning(NamedTuple):
@@ -37,21 +48,25 @@ def fits(step: Telling) -> bool:
     if kind in ("own past", "neighbours"):
         last = peak(step)[2]
         return last < PAST_BINS - 1 and _signs(step) != (0, 0)
-    return name == _CLOCKS_NAME
+    return name in (_CLOCKS_NAME, *_PLACES)
 
 
 def covariates_of(kind: Kind) -> list[Covariate]:
     """Those by which a term of a kind is judged while it is fitted."""
     if kind == "clock":
         return [Covariate(_CLOCKS_NAME, kind, "", PHASES)]
-    return [one for one in COVARIATES if one.kind == kind]
+    return [one for one in (*COVARIATES, *FINER) if one.kind == kind]
 
 
-def beginnings(step: Telling, clock: RowClock | None, parameters: Parameters) -> Iterator[Beginning]:
-    """Terms to begin with. clock: that of the step, where it is one."""
+def beginnings(
+    step: Telling, parameters: Parameters, sides: tuple[int, int], clock: RowClock | None = None
+) -> Iterator[Beginning]:
+    """Terms to begin with. sides: width and height of the sensor. clock: that of a step that is one."""
     if step.covariate.name == _CLOCKS_NAME:
         if clock is not None and abs(clock.row_us) <= STEEPEST_ROW_US:
             yield from _clocks(step, clock)
+    elif step.covariate.name in _PLACES:
+        yield from _patterns(step, *sides)
     else:
         yield from _kicks(step, parameters)
 
@@ -70,6 +85,19 @@ def _kicks(step: Telling, parameters: Parameters) -> Iterator[Beginning]:
         yield Beginning(echo, "chance", CHANCES)
     push = KickShape(kind, effect, fixed | {"chance": 1.0}, {"size": SIZES[0]} | moved, signs)
     yield Beginning(push, "size", SIZES)
+
+
+def _patterns(step: Telling, width: int, height: int) -> Iterator[Beginning]:
+    """Thresholds that are lower where events are too many."""
+    wave = wave_of(step, width, height)
+    top = max(abs(wave.on), abs(wave.off))
+    if top == 0:
+        return
+    signs = [-int(np.sign(one)) if abs(one) >= ALIKE * top else 0 for one in (wave.on, wave.off)]
+    fixed = {"across_per_px": wave.across_per_px, "down_per_px": wave.down_per_px}
+    numbers = {"size": top, "crest_turns": wave.crest_turns}
+    shape = PatternShape(step.covariate.kind, "residual_pattern", fixed, numbers, (signs[0], signs[1]))
+    yield Beginning(shape, "size", tuple(share * top for share in _BY_HEIGHT))
 
 
 def _signs(step: Telling) -> tuple[int, int]:

@@ -99,6 +99,7 @@ def _fitted(sensor: WholeSensor, parameters: Parameters, remains: Remains, kind:
     split_us, covariates = _split_us(sensor), covariates_of(kind)
     steps = [one for one in remains.told.steps if one.covariate.kind == kind and fits(one)]
     real, look = sensor.recorded, remains.look
+    sides = look.width, look.height
 
     def chosen(events: Events) -> NDArray[np.bool_]:
         early: NDArray[np.bool_] = events["t"] <= split_us
@@ -111,7 +112,7 @@ def _fitted(sensor: WholeSensor, parameters: Parameters, remains: Remains, kind:
     tries = [
         (told(shape.on(parameters)), shape, name)
         for step in steps
-        for begin, name, values in beginnings(step, look.clock, parameters)
+        for begin, name, values in beginnings(step, parameters, sides, look.clock)
         for shape in (begin.with_number(name, value) for value in values)
     ]
     if not tries:

@@ -77,6 +77,40 @@ class KickShape(Shape):
 
 
 @dataclass(frozen=True)
+class PatternShape(Shape):
+    """A wave over the pixels' thresholds; signs: of their rise on its crest, for ON and for OFF."""
+
+    signs: tuple[int, int] = (1, 1)
+    most: ClassVar[Mapping[str, float]] = {"size": 0.9}
+
+    def moves(self, name: str, factor: float) -> tuple[Self, Self]:
+        """The crest is moved by a part of the wave."""
+        if name != "crest_turns":
+            return super().moves(name, factor)
+        part, crest = (factor - 1) / 8, self.numbers[name]
+        return self.with_number(name, (crest + part) % 1.0), self.with_number(name, (crest - part) % 1.0)
+
+    def formula(self) -> str:
+        """For people."""
+        v = self.values()
+        thresholds = " and ".join(
+            f"{sign} thresholds *= 1 {v[name]:+.2g} w"
+            for name, sign in (("on", "ON"), ("off", "OFF"))
+            if v[name]
+        )
+        along = " ".join(
+            f"{v[name]:+.3g} {axis}"
+            for name, axis in (("across_per_px", "x"), ("down_per_px", "y"))
+            if v[name]
+        )
+        return f"{thresholds}, w = cos 2 pi ({along} - {v['crest_turns']:.2g})"
+
+    def _values(self, numbers: dict[str, float]) -> dict[str, float]:
+        size = numbers.pop("size")
+        return {"on": self.signs[0] * size, "off": self.signs[1] * size, **numbers}
+
+
+@dataclass(frozen=True)
 class ClockShape(Shape):
     """A kick up at one phase of a clock and down half a period later."""
 

@@ -24,7 +24,7 @@ SCALED = [K1_TO_K6[name] for name in IN_THRESHOLDS]
 INPUT_AND_BASE = {
     "contrast_response", "photon_noise", "junction_leak", "parasitic_photocurrent", "leak_noise",
     "dark_current", "residual_drift", "residual_noise", "residual_kick", "residual_coupling",
-    "residual_clock", "frame_noise",
+    "residual_clock", "residual_pattern", "frame_noise",
 }  # fmt: skip
 ONLY_WHERE_SEEN = {"arbiter_scan", "row_request"}
 

@@ -53,6 +53,17 @@ def test_what_follows_events_is_found_as_a_kick_that_takes_half_of_it_away() -> 
     assert first.shape.formula() in said[1]
 
 
+def test_thresholds_that_go_with_the_place_are_found_as_a_pattern_that_takes_half_of_it_away() -> None:
+    """Bands of six columns or rows, in turns 1.3 and 0.7 times as high: not a wave, but near one."""
+    sensor, camera = hidden("striped_thresholds")
+    terms = generic_terms(sensor, camera, sensor.remains(camera), lambda said: None)
+    found = next(one for one in terms if one.shape.effect == "residual_pattern")
+    pattern = found.parameters.residual_pattern
+    assert 0.15 < max(abs(pattern.on), abs(pattern.off)) < 0.6
+    assert found.before.noticed > 5 * NOTICEABLE
+    assert found.share > 0.5
+
+
 def test_where_nothing_is_hidden_no_term_is_looked_for() -> None:
     sensor, camera = hidden(None)
     said: list[str] = []
