@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 from voltcam_simulator import Camera, Parameters
 from voltcam_simulator.effects.junction_leak import arrhenius
@@ -18,6 +19,8 @@ from .part import events_within, middle
 from .reading import Reading
 
 
+# Sums in another order end elsewhere: so it is the same on any number of cores.
+@threadpool_limits.wrap(limits=1)  # type: ignore[untyped-decorator]
 def camera_from(
     inspection: Inspection,
     *,

@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 from tqdm import tqdm
 
 from voltcam_simulator import Camera, camera_names
@@ -68,6 +69,8 @@ After Ctrl-C the same command goes on from where it was."""
     parser.set_defaults(run=run)
 
 
+# Sums in another order end elsewhere: so it is the same on any number of cores.
+@threadpool_limits.wrap(limits=1)  # type: ignore[untyped-decorator]
 def run(
     arguments: argparse.Namespace, settings: SearchSettings = DEFAULTS, entries: Sequence[Entry] = ENTRIES
 ) -> int:

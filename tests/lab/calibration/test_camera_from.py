@@ -17,6 +17,7 @@ from tests.lab.health.made import (
     well,
     with_events,
 )
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from voltcam_lab.calibration import camera_from as module
 from voltcam_lab.calibration import exact_method, part
@@ -81,6 +82,18 @@ def test_the_camera_has_what_was_found_and_the_recording_s_size(plain: Calibrate
     assert plain.camera.parameters.contrast_response == FOUND.contrast_response
     assert plain.refined is None
     assert plain.moved == ()
+
+
+def test_the_same_is_found_on_any_number_of_cores() -> None:
+    """Sums of several threads are in another order, and end in another maximum of the likelihood."""
+    seen: list[int] = []
+    with threadpool_limits(2, user_api="blas"):
+        camera_from(
+            well(), refining=False,
+            report=lambda step: seen.extend(one["num_threads"] for one in threadpool_info()),
+        )  # fmt: skip
+        assert set(seen) == {1}
+        assert 2 in {one["num_threads"] for one in threadpool_info()}  # and as it was behind
 
 
 def test_notes_say_what_was_fitted_and_what_may_be_wrong(plain: Calibrated) -> None:

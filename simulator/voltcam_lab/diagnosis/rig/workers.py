@@ -13,6 +13,7 @@ from pathlib import Path
 
 import joblib
 import numpy as np
+from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 from voltcam_simulator import Parameters
 
@@ -81,6 +82,7 @@ _rig: Rig  # of a worker
 def _begin(path: Path, head: bytes, places: Sequence[FileSpan]) -> None:
     global _rig
     pool_worker.begin()
+    threadpool_limits(1)  # for good: as in the process that asks
     _rig = Rig(*_read(path, head, places))  # type: ignore[misc]
 
 
