@@ -22,7 +22,9 @@ from voltcam_client.formats.bounds import fits
 from voltcam_client.formats.library import grey, library, named, stacked
 from voltcam_client.formats.recording import FormatError, Recording, smallest_size
 
-DESCRIPTION = "HDF5 columns as in DSEC (events/t, x, y, p) or event_utils (events/ts, xs, ys, ps)"
+DESCRIPTION = (
+    "HDF5 columns as in DSEC (events/t, x, y, p) or event_utils (events/ts, xs, ys, ps); MVSEC is read, too"
+)
 
 _LAYOUTS = (("t", "x", "y", "p"), ("ts", "xs", "ys", "ps"))
 _MVSEC = ("davis/left", "davis/right")
@@ -108,6 +110,8 @@ def _array(path: Path, group: Any, name: str) -> NDArray[Any]:
 def _dataset(path: Path, group: Any, name: str) -> Any:
     """Numbers that are in this file and no more than it can hold. Raises FormatError."""
     _check_link(path, group, name)
+    if name not in group:
+        raise FormatError(f"{path} has no {name}: is it a whole file of its data set?")
     dataset = group[name]
     if dataset.external or dataset.is_virtual:
         raise FormatError(f"{path}: the data of {name} are in another file: copy them into this one")

@@ -19,7 +19,7 @@ from .part import events_within, middle
 from .reading import Reading
 
 
-# Sums in another order end elsewhere: so it is the same on any number of cores.
+# The order of sums, and so what is found, would depend on the number of threads.
 @threadpool_limits.wrap(limits=1)  # type: ignore[untyped-decorator]
 def camera_from(
     inspection: Inspection,

@@ -69,7 +69,7 @@ After Ctrl-C the same command goes on from where it was."""
     parser.set_defaults(run=run)
 
 
-# Sums in another order end elsewhere: so it is the same on any number of cores.
+# The order of sums, and so what is found, would depend on the number of threads.
 @threadpool_limits.wrap(limits=1)  # type: ignore[untyped-decorator]
 def run(
     arguments: argparse.Namespace, settings: SearchSettings = DEFAULTS, entries: Sequence[Entry] = ENTRIES

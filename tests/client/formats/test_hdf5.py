@@ -93,6 +93,14 @@ def test_of_mvsec_the_left_camera_is_read_and_frames_may_be_missing(tmp_path: Pa
     assert recording.frames is None
 
 
+def test_frames_of_mvsec_without_their_times_are_named(tmp_path: Path) -> None:
+    with h5py.File(tmp_path / "a.hdf5", "w") as file:
+        file["davis/left/events"] = [[7.0, 3.0, 0.5, -1.0]]
+        file["davis/left/image_raw"] = np.zeros((1, 260, 346), np.uint8)
+    with pytest.raises(FormatError, match="has no davis/left/image_raw_ts"):
+        read(tmp_path / "a.hdf5")
+
+
 def test_other_rows_than_those_of_mvsec_are_named(tmp_path: Path) -> None:
     with h5py.File(tmp_path / "a.hdf5", "w") as file:
         file["davis/left/events"] = [[1.0, 1.0, 0.5]]

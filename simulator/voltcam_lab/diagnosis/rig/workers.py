@@ -82,7 +82,7 @@ _rig: Rig  # of a worker
 def _begin(path: Path, head: bytes, places: Sequence[FileSpan]) -> None:
     global _rig
     pool_worker.begin()
-    threadpool_limits(1)  # for good: as in the process that asks
+    threadpool_limits(1)  # for good: the order of sums would depend on the number of threads
     _rig = Rig(*_read(path, head, places))  # type: ignore[misc]
 
 

@@ -54,7 +54,7 @@ def test_what_follows_events_is_found_as_a_kick_that_takes_half_of_it_away() -> 
 
 
 def test_thresholds_that_go_with_the_place_are_found_as_a_pattern_that_takes_half_of_it_away() -> None:
-    """Bands of six columns or rows, in turns 1.3 and 0.7 times as high: not a wave, but near one."""
+    """Thresholds of rows, six by six, are 1.3 and 0.7 times as high: not a wave, but near one."""
     sensor, camera = hidden("striped_thresholds")
     terms = generic_terms(sensor, camera, sensor.remains(camera), lambda said: None)
     found = next(one for one in terms if one.shape.effect == "residual_pattern")
