@@ -32,7 +32,7 @@ class FoundEffect(_Record):
         description="how much likelier what is left of the gap is if it is there than if it stood in for "
         "something without a name; of effects that are needed together, for all of them"
     )
-    stand_ins: float = Field(description="share of stand-ins that would leave as little")
+    stand_ins: float = Field(description="share of stand-ins that have such odds")
     rivals: list[str] = Field(description="effects that explain this recording as well")
     next_recording: str | None = Field(description="the recording that would tell it from its rivals")
 

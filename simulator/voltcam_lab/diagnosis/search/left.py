@@ -6,6 +6,8 @@ errors are is not known well, so what larger ones leave in nats is a part of tha
 are Fisher's combination of the two probabilities (Statistical Methods for Research Workers, 1932).
 """
 
+import math
+
 import numpy as np
 from scipy.stats import gamma
 
@@ -30,10 +32,18 @@ def by_light(step: SearchStep, first: SearchStep, remains: Remains | None, namin
 
     What forms leave for all pixels to tell nobody has measured: with effects, strips alone are asked.
     """
-    found = step is not first
-    mean = naming.light + naming.form * max(first.excess, 0.0) * found
-    share = max(step.excess, 0.0) / mean
-    if found or remains is None:
+    share = max(step.excess, 0.0) / _mean(step, first, naming)
+    if step is not first or remains is None:
         return float(np.exp(-share))
     nats = max(remains.evidence, 0.0) / (naming.light_nats + remains.by_larger_errors)
     return float(gamma.sf(share + nats, 2))
+
+
+def most_left(step: SearchStep, first: SearchStep, settings: SearchSettings) -> float:
+    """The excess that they leave in all but one of twenty such recordings."""
+    return -_mean(step, first, settings.naming) * math.log(settings.alarm)
+
+
+def _mean(step: SearchStep, first: SearchStep, naming: Naming) -> float:
+    """Of the excess that light leaves, with the forms of effects where some were found."""
+    return naming.light + naming.form * max(first.excess, 0.0) * (step is not first)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..catalogue.candidate import Candidate
 from ..rig.whole import Remains
+from .any_light import in_any_light, tried_in_any_light
 from .evidence import Evidence, evidence
 from .fit import fitted_by_simulation
 from .hypothesis import Hypothesis
@@ -22,7 +23,7 @@ from .proof import (
 )
 from .spread import flat
 from .state import Search
-from .step import SearchStep, base_fitted, in_any_light, step_of, tried_in_any_light, with_trials
+from .step import SearchStep, base_fitted, step_of, with_trials
 from .trial import Trial
 from .unlisted import ResidualTerm, residual_of, residual_step
 
@@ -96,12 +97,13 @@ def diagnose(search: Search, hypothesis: Hypothesis) -> Diagnosis:
             found.append(one)
             steps.append(after)
         step = steps[-1]
-    if not found and open_step is None and (seen := _by_any_light(search, step)):
-        found.append(seen[0])
-        steps.append(step := seen[1])
     if len(found) > 1:
         _drop_needless(search, found, steps)
         step = steps[-1]
+    if open_step is None and len(found) < settings.most_effects:
+        for one, after in _by_any_light(search, step, steps[0]):
+            found.append(one)
+            steps.append(step := after)
     kept, covariance, residual = _needed(search, found, step.hypothesis), None, None
     hypothesis = step.hypothesis
     remains = _remains(search, hypothesis)
@@ -171,27 +173,27 @@ def _tried(search: Search, step: SearchStep) -> SearchStep:
     return step
 
 
-def _by_any_light(search: Search, step: SearchStep) -> tuple[Found, SearchStep] | None:
-    """The effect that explains what statistics of any light show, with the step after it; None where there is
+def _by_any_light(search: Search, step: SearchStep, first: SearchStep) -> list[tuple[Found, SearchStep]]:
+    """The effect that explains what statistics of any light show, with the step after it; none where there is
     too little evidence for one, or all statistics have more left than light leaves."""
-    seen = tried_in_any_light(search, step)
+    seen = tried_in_any_light(search, step, _left(search.candidates, step.hypothesis), first)
     trial = best_to_add(search.settings, seen)
     if trial is None:
-        return None
+        return []
     search.say(f"Trying {trial.candidate.effect} by what is seen in any light.")
-    after = step_of(search, trial.hypothesis, _left(search.candidates, trial.hypothesis), step)
+    after = step_of(search, trial.hypothesis, _left(search.candidates, trial.hypothesis), first)
     search.say(_sentence(after))
-    found = evidence(seen, in_any_light(search, after), 1, seen)
+    found = evidence(seen, in_any_light(search, after), 1, in_any_light(search, first))
     search.say(_weighed(found))
-    if not found.enough(search.settings.naming) or more_than_light(after, step, None, search.settings):
-        return None
-    return Found(trial, step, rivals_of(search.settings, seen, trial), found), after
+    if not found.enough(search.settings.naming) or more_than_light(after, first, None, search.settings):
+        return []
+    return [(Found(trial, step, rivals_of(search.settings, seen, trial), found), after)]
 
 
 def _weighed(found: Evidence) -> str:
     return (
         f"What is left is {np.exp(np.clip(found.log_odds, -9, 9)):.2g} times as likely if it is there as if"
-        f" it stood in for something without a name; {found.wrong:.1%} of such leave as little."
+        f" it stood in for something without a name; {found.wrong:.1%} of such do as well."
     )
 
 

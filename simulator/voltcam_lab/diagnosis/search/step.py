@@ -89,8 +89,8 @@ def step_of(
     candidates = tuple(search.candidates if candidates is None else candidates)
     spread = spread_of(search.rig, hypothesis, settings.runs.twins, settings)
     screen = screen_of(search.rig, hypothesis, spread, candidates, settings)
-    step = _untried(search, screen)
-    step = replace(step, p_value=min(step.p_value, _untried(search, screen.in_any_light).p_value))
+    step = untried(search, screen)
+    step = replace(step, p_value=min(step.p_value, untried(search, screen.in_any_light).p_value))
     test = settings.score_test
     if first is None:
         return replace(step, plan=TrialPlan(candidates, test.alpha, test.tried_share * step.least))
@@ -99,27 +99,7 @@ def step_of(
     return replace(step, least=least, plan=TrialPlan(candidates, test.next_alpha, least))
 
 
-def in_any_light(search: Search, step: SearchStep) -> SearchStep:
-    """The same look by the statistics of any light alone."""
-    return _untried(search, step.screen.in_any_light)
-
-
-def tried_in_any_light(search: Search, step: SearchStep) -> SearchStep:
-    """The same, where no effect is in the hypothesis yet, with trials.
-
-    Light has no part in these statistics, so what is more than chance in them is worth a trial. Where all
-    statistics show more than light leaves, only effects are tried that were seen to leave no more.
-    """
-    test, other = search.settings.score_test, in_any_light(search, step)
-    most = step.floor_training + search.settings.most_by_light + search.settings.proof.few_runs
-    able = [trial.candidate for trial in step.trials if trial.training <= most]
-    worth = [step.training <= most or one.candidate in able for one in other.screen.signatures]
-    other = replace(other, scores=np.where(worth, other.scores, 0.0))
-    plan = TrialPlan(tuple(search.candidates), test.alpha, test.tried_share * other.least)
-    return with_trials(search, replace(other, plan=plan))
-
-
-def _untried(search: Search, screen: Screen) -> SearchStep:
+def untried(search: Search, screen: Screen) -> SearchStep:
     """The gap of a hypothesis, and what might be in it, by the statistics that a screen sees."""
     settings, spread, data = search.settings, screen.spread, search.data
     deviation = (data - spread.mean) / spread.inflated_sd

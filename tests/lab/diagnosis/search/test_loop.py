@@ -72,16 +72,31 @@ def test_an_effect_that_few_statistics_show_is_named_if_light_has_no_part_in_the
     assert [one.effect for one in found.found] == (["dead_pixels"] if verdict == "effects" else [])
 
 
+@pytest.mark.parametrize(("fraction", "named"), [(0.02, True), (0.001, False)])
+def test_a_further_effect_that_few_statistics_show_is_named_as_well(fraction: float, named: bool) -> None:
+    """Of all statistics, a hundredth of what the first effect explained is asked."""
+
+    def silent(parameters: Parameters) -> Values:
+        seen = PATTERNS[8] * np.where(IN_ANY_LIGHT, 100 * parameters.dead_pixels.fraction, 0)
+        return response(DEAD.on(parameters, (0.0,))) + seen
+
+    rig = MadeRig(silent)
+    data = silent(DEAD.on(DEAD_TIME.on(BASE, (6000.0,)), (fraction,))) + rig.noise(4711)
+    found = diagnose(Search(rig, data, CATALOGUE), Hypothesis(START))
+    assert found.verdict == "effects"
+    assert [one.effect for one in found.found] == ["refractory_period", *["dead_pixels"] * named]
+
+
 def test_two_effects_are_both_named() -> None:
     found = asked(response(DEAD.on(MISMATCH.on(BASE, (0.2,)), (0.02,))))
     assert {each.effect for each in found.found} == {"threshold_mismatch", "dead_pixels"}
 
 
-@pytest.mark.parametrize(("left", "verdict"), [(2.0, "effects"), (4.0, "unknown")])
+@pytest.mark.parametrize(("left", "verdict"), [(1.5, "effects"), (4.0, "unknown")])
 def test_two_effects_none_of_which_explains_enough_are_named_if_they_do_together(
     left: float, verdict: str
 ) -> None:
-    """Beside them there is something that nobody knows: of 23 above chance 1.3 are left, or more than 4."""
+    """Beside them there is something that nobody knows: of 23 above chance 0.8 is left, or more than 4."""
     found = asked(response(MISMATCH.on(DEAD_TIME.on(BASE, (9000.0,)), (0.5,))) + left * PATTERNS[10])
     assert found.verdict == verdict
     effects = {each.effect for each in found.found}
@@ -133,7 +148,7 @@ def test_an_effect_that_removes_little_of_a_large_gap_is_not_added(beside: float
     assert ("Trying refractory_period." in said) == tried
 
 
-@pytest.mark.parametrize(("beside", "verdict"), [(0.45, "effects"), (0.9, "unknown")])
+@pytest.mark.parametrize(("beside", "verdict"), [(0.3, "effects"), (0.9, "unknown")])
 def test_an_effect_that_closes_a_small_gap_by_less_than_half_is_not_named(
     beside: float, verdict: str
 ) -> None:
@@ -143,11 +158,11 @@ def test_an_effect_that_closes_a_small_gap_by_less_than_half_is_not_named(
     assert (len(found.found) == 1) == (verdict == "effects")
 
 
-@pytest.mark.parametrize(("beside", "verdict"), [(3.0, "effects"), (6.0, "unknown")])
+@pytest.mark.parametrize(("beside", "verdict"), [(2.0, "effects"), (6.0, "unknown")])
 def test_an_effect_that_leaves_a_plain_gap_is_named_if_stand_ins_leave_far_more(
     beside: float, verdict: str
 ) -> None:
-    """Less than a tenth of the gap is left, or a quarter: either is plain to see."""
+    """Less than a twentieth of the gap is left, or a quarter: either is plain to see."""
     found = asked(response(DEAD_TIME.on(BASE, (9000.0,))) + beside * PATTERNS[10])
     assert found.verdict == verdict
     assert [one.effect for one in found.found] == (["refractory_period"] if verdict == "effects" else [])
